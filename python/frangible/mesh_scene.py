@@ -25,6 +25,9 @@ _Z_UP = (-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
 FLIGHT = 0.5
 #: How long a scene goes on after the blow [s].
 AFTER = 2.0
+#: True if a body can wait: the mesh does, until it is struck. Until then what has no foot to stand
+#: on tips over before the ball arrives.
+WAITS = "starts" in Body.__dataclass_fields__
 #: [m/s^2]
 GRAVITY = np.array([0.0, -9.81, 0.0])
 
@@ -79,6 +82,8 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         bodies.insert(0, ground)
     frames = None
     if wishes.ball is not None:
+        if WAITS:
+            setattr(mesh, "starts", {"when": "struck"})
         flight = _Flight(wishes, frame, world, triangles, 0.5 * (low + high))
         if wishes.ground and flight.start[1] - flight.radius < low[1]:
             raise BuildError(
@@ -201,8 +206,7 @@ class _Flight:
         # Seen from the target, where the ball's centre is when it touches.
         touch = target + self._touch(points, triangles, target) * self.direction
         if wishes.hit_at_frame is not None:
-            # In the middle of the step to that frame. A body that waits (`starts`) could stay where
-            # it comes from; until then it starts farther away on the same line.
+            # In the middle of the step to that frame. It starts farther away on the same line.
             self.time = (wishes.hit_at_frame - 0.5) / wishes.frames_per_second
         elif origin is not None:
             self.time = float((touch - origin) @ self.direction) / self.speed
@@ -213,7 +217,7 @@ class _Flight:
         self.start: Float64 = touch - self.time * self.speed * self.direction
         #: What falls together with the mesh flies straight at it.
         self.velocity: Float64 = self.speed * self.direction - (
-            0.5 * self.time * GRAVITY if wishes.ground else 0.0
+            0.5 * self.time * GRAVITY if wishes.ground or WAITS else 0.0
         )
 
     def _touch(self, points: Float64, triangles: Float64, target: Float64) -> float:

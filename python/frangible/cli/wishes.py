@@ -52,7 +52,8 @@ def add_wishes(parser: argparse.ArgumentParser) -> None:
         dest="origin",
         type=_place,
         metavar="X,Y,Z",
-        help="where the ball comes from, in the file's unit and axes [along its z]",
+        help="where the ball comes from, in the file's unit and axes [from its front: +z, or -y if "
+        "z is up]",
     )
     group.add_argument(
         "--hit-at-frame",
