@@ -26,6 +26,7 @@ point3f[] points = [(-.5, -.5, -.5), (-.5, -.5, .5), (-.5, .5, -.5), (-.5, .5, .
 uniform token subdivisionScheme = "none"
 """
 BODY = 'prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI"]'
+FRACTURE = BODY.replace("PhysicsMassAPI", "FrangibleFractureAPI")
 STILL = 'prepend apiSchemas = ["PhysicsCollisionAPI"]'
 
 
@@ -456,9 +457,6 @@ def test_poses_of_an_animated_body_are_those_of_its_shape() -> None:
         assert np.dot(one["orientation"], next_one["orientation"]) > 0.9
 
 
-FRACTURE = BODY.replace('"PhysicsMassAPI"', '"FrangibleFractureAPI"')
-
-
 def test_fracture_settings_are_a_schema(read: Any) -> None:
     text = a_prim("Cube", "plain", "", FRACTURE)
     text += a_prim(
@@ -553,6 +551,14 @@ json.loads((pathlib.Path(fracture.FOLDER) / "plugInfo.json").read_text())
             ["the faces of /World/a do not fit its points"],
         ),
         (stage(a_prim("Sphere", "a", "double radius = -1")), ["the radius of /World/a: -1.0"]),
+        (
+            stage(a_prim("Cube", "a", moved("translate = (nan, 1, 1)"))),
+            ["the transform of /World/a has a number that is not finite"],
+        ),
+        (
+            stage(a_prim("Cube", "a", moved("scale = (0, 1, 1)"))),
+            ["flat convex hull that moves (/World/a): left out"],
+        ),
         ("#usda 1.0\nnonsense", ["is not a readable USD file"]),
     ],
 )
@@ -565,6 +571,55 @@ def test_what_is_no_scene_is_named(
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"frangible: {path}: ") and "Traceback" not in line
     assert [word for word in words if word not in line] == [], line
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (a_prim("Cube", "a", "float physics:mass = 1e38"), ["bodies[0].density: 1.25e37"]),
+        (
+            a_prim("Cube", "a", "vector3f physics:velocity = (nan, 0, 0)"),
+            ["linear_velocity", "NaN"],
+        ),
+        (
+            a_prim("Mesh", "a", BOX_MESH.replace("(.5, .5, .5)", "(nan, 0, 0)")),
+            ["stage.usda</World/a>: vertex 7 is (NaN, NaN, NaN)"],
+        ),
+        (
+            a_prim(
+                "Mesh",
+                "a",
+                BOX_MESH.replace("[4, 4, 4, 4, 4, 4]", "[4]").replace(
+                    "2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3]", "2]"
+                ),
+            ),
+            ["stage.usda</World/a>: encloses no volume"],
+        ),
+        (
+            a_prim("Cube", "a", 'uniform token frangible:material = "concret"', FRACTURE),
+            ["material: \"concret\" (did you mean 'concrete'?)"],
+        ),
+        (
+            a_prim(
+                "Cube",
+                "a",
+                'uniform token frangible:pattern = "voronoi"\nint frangible:pattern:celz = 3',
+                FRACTURE,
+            ),
+            ["breaking.pattern.celz: an unknown field", "did you mean 'cells'?"],
+        ),
+    ],
+)
+def test_sentences_about_bodies_of_a_stage_name_them(
+    text: str, words: list[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "stage.usda"
+    path.write_text(stage(text))
+    with pytest.raises(BuildError) as caught:
+        World.build(path, 1)
+    said = str(caught.value)
+    assert said.startswith("bodies[0]") and '(body "/World/a")' in said and "\n" not in said
+    assert [word for word in words if word not in said] == [], said
 
 
 def test_a_body_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -170,6 +170,13 @@ def test_paths_materials_and_texture_coordinates_live_on(written: Path) -> None:
     assert wall.coordinates[front] == pytest.approx(expected, abs=0.02)
 
 
+def test_gltf_has_the_last_names(written: Path) -> None:
+    recording = Recording.load(written / "out.npz")
+    recording.save(written / "out.glb")
+    content = (written / "out.glb").read_bytes()
+    assert b'"Wall"' in content and b'"Ball"' in content and b"Set_Ruin" not in content
+
+
 def test_shapes_that_are_no_meshes_look_as_they_did(written: Path) -> None:
     from pxr import UsdGeom, UsdShade
 

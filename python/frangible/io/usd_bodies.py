@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
+from .._frangible import BuildError
 from ..recording import Float64
 from .usd_notes import Notes
 
@@ -74,7 +75,11 @@ class _Finder:
                 above.clear()
             world = self._world(prim) @ placed @ self.units
             body = above[-1][1] if above else None
-            if prim.HasAPI(UsdPhysics.RigidBodyAPI):
+            is_body = prim.HasAPI(UsdPhysics.RigidBodyAPI)
+            if (is_body or prim.HasAPI(UsdPhysics.CollisionAPI)) and not np.isfinite(world).all():
+                file = self.stage.GetRootLayer().identifier
+                raise BuildError(f"{file}: the transform of {path} has a number that is not finite")
+            if is_body:
                 body = self._body(prim, world, body, f"{path}{instance}")
                 if body is not None and not (above and above[-1][1] is body):
                     above.append((path, body))
