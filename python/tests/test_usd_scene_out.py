@@ -15,6 +15,7 @@ from frangible.cli import main
 from frangible.scene_file import save_scene
 from frangible.scenes import read_scene
 from test_scenes import SCENES, a_scene, valued
+from test_usd import violations
 
 pytest.importorskip("pxr")
 
@@ -150,6 +151,15 @@ def test_another_program_reads_the_same_bodies(tmp_path: Path) -> None:
     (_, (gravity,)) = found[UsdPhysics.ObjectType.Scene]
     direction = np.array(gravity.gravityDirection) * gravity.gravityMagnitude
     assert direction == pytest.approx([1, -2, 3], rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["shapes", "all", "bonded-pillar"])
+def test_no_validator_of_usd_objects_to_a_scene(name: str, tmp_path: Path) -> None:
+    """Its rules of physics among them."""
+    from pxr import Usd
+
+    save_scene(scenes()[name], tmp_path / "scene.usda")
+    assert violations(Usd.Stage.Open(str(tmp_path / "scene.usda"))) == []
 
 
 def test_what_is_changed_in_the_stage_counts(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from frangible import Recording
 from frangible.cli import main
+from test_usd import violations
 
 pytest.importorskip("pxr")
 
@@ -119,6 +120,7 @@ def test_the_stage_leaves_as_it_came(written: Path) -> None:
     from pxr import UsdGeom
 
     stage = opened(written / "out.usda")
+    assert violations(stage) == []
     assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
     assert UsdGeom.GetStageMetersPerUnit(stage) == 0.01
     assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (1001, 1013)
