@@ -70,7 +70,7 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
     low, high = world.min(axis=0), world.max(axis=0)
 
     mesh = Body(
-        Mesh(name, scale=scale, thickness=_thickness(frame, wishes)),
+        Mesh(os.path.abspath(name), scale=scale, thickness=_thickness(frame, wishes)),
         name=os.path.splitext(os.path.basename(name))[0],
         material=wishes.material,
         orientation=orientation,

@@ -1,9 +1,10 @@
-"""Fields of a scene that are set by hand."""
+"""Fields of a scene that are set by hand, or for a file."""
 
 from __future__ import annotations
 
 import copy
 import json
+import os
 from typing import Any
 
 from ._frangible import BuildError
@@ -69,3 +70,23 @@ def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], s
         f", or a name: {', '.join(sorted(names))}" if names else ""
     )
     raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
+
+
+def with_relative_paths(scene: dict[str, Any], file: str) -> dict[str, Any]:
+    """The scene for a file: paths of meshes and patterns in its folder or below are relative to it,
+    all others absolute."""
+    folder = os.path.dirname(os.path.abspath(file))
+    found = copy.deepcopy(dict(scene))
+
+    def visit(value: Any) -> None:
+        if isinstance(value, dict):
+            path = value.get("path")
+            if isinstance(path, str) and value.get("kind") in ("mesh", "file"):
+                near = os.path.relpath(os.path.abspath(path), folder)
+                value["path"] = os.path.abspath(path) if near.startswith(os.pardir) else near
+        items = value.values() if isinstance(value, dict) else value
+        for item in items if isinstance(value, (dict, list)) else ():
+            visit(item)
+
+    visit(found)
+    return found

@@ -12,6 +12,7 @@ from .extras import missing_packages
 from .io.mesh_files import USD_ENDINGS
 from .io.toml_text import as_toml
 from .io.whole import whole_file
+from .scene_fields import with_relative_paths
 from .scene_types import SceneDesc
 from .scenes import TEXT_ENDINGS, as_json, read_scene
 
@@ -51,6 +52,7 @@ def save_scene(scene: dict[str, Any], path: str | os.PathLike[str]) -> None:
         with whole_file(name) as part:
             write_usd_scene(scene, part, name)
         return
-    text = as_toml(scene) if ending == ".toml" else f"{as_json(scene)}\n"
+    fields = with_relative_paths(scene, name)
+    text = as_toml(fields) if ending == ".toml" else f"{as_json(fields)}\n"
     with whole_file(name) as part, open(part, "w", encoding="utf-8") as file:
         file.write(text)

@@ -120,6 +120,19 @@ def test_scenes_of_shots_are_read_and_written_without_loss(shot: str) -> None:
     assert Scene.from_dict(scene).to_dict() == valued(scene)
 
 
+def test_paths_of_a_saved_scene_are_of_its_folder(tmp_path: Path) -> None:
+    inner, outer = tmp_path / "set" / "a.obj", tmp_path / "b.obj"
+    inner.parent.mkdir()
+    scene = Scene([Body(frangible.Mesh(str(path))) for path in (inner, outer)])
+    for ending in (".json", ".toml"):
+        path = inner.parent / f"scene{ending}"
+        scene.save(path)
+        assert '"a.obj"' in path.read_text() and str(outer) in path.read_text()
+        assert Scene.load(path) == scene
+    assert isinstance(scene.bodies[0].shape, frangible.Mesh)
+    assert scene.bodies[0].shape.path == str(inner), "the scene itself is as before"
+
+
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.name)
 @pytest.mark.parametrize("ending", [".json", ".toml"])
 def test_scenes_are_loaded_and_saved(path: Path, ending: str, tmp_path: Path) -> None:

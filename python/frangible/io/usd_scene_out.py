@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 import os
 from typing import Any
@@ -14,6 +13,7 @@ from .. import _frangible
 from ..material_presets import PRESETS
 from ..names import unique_names
 from ..recording import Float64
+from ..scene_fields import with_relative_paths
 from ..scene_materials import with_materials
 from .mesh_files import readable_mesh
 from .usd_exact import keep_exact_fields
@@ -31,7 +31,7 @@ PLANE = 50.0
 def write_usd_scene(scene: dict[str, Any], path: str, final: str) -> None:
     """Write ``.usda`` or ``.usdc``, in metres and kilograms, y up. ``final`` is the name that the
     file gets: paths of files in its folder become relative to it."""
-    exact = _with_relative_paths(scene, os.path.dirname(os.path.abspath(final)))
+    exact = with_relative_paths(scene, final)
     resolved = with_materials(scene)
     fields = _frangible.scene_schema()["properties"]
     rate = float(resolved.get("frames_per_second") or fields["frames_per_second"]["default"])
@@ -68,25 +68,6 @@ def write_usd_scene(scene: dict[str, Any], path: str, final: str) -> None:
         root, {field: exact[field] for field in exact if field != "bodies"}, read, file
     )
     stage.GetRootLayer().Save()
-
-
-def _with_relative_paths(scene: dict[str, Any], folder: str) -> dict[str, Any]:
-    found = dict(copy.deepcopy(scene))
-
-    def visit(value: Any) -> None:
-        if isinstance(value, dict):
-            path = value.get("path")
-            if isinstance(path, str) and value.get("kind") in ("mesh", "file"):
-                near = os.path.relpath(os.path.abspath(path), folder)
-                value["path"] = os.path.abspath(path) if near.startswith(os.pardir) else near
-            for item in value.values():
-                visit(item)
-        elif isinstance(value, list):
-            for item in value:
-                visit(item)
-
-    visit(found)
-    return found
 
 
 def _has_preset(body: dict[str, Any], scene: dict[str, Any]) -> bool:
