@@ -11,6 +11,7 @@ import numpy as np
 from . import _frangible
 from .breaking.mesh_skin import MeshSkin, read_skin
 from .breaking.volumes import volumes_differ
+from .io.material_files import Known
 from .io.mesh_files import readable_bodies
 from .recording import Float32, Float64, rotation_matrix
 from .scene_lines import FileScene
@@ -73,15 +74,16 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
     made of the scene, in its context."""
     found: dict[int, Laid] = {}
     known: dict[str, MeshSkin | None] = {}
+    materials: Known = {}
     for (number, _, shape), (_, _, plain) in zip(_meshes(scene), _meshes(readable), strict=True):
         path = str(shape["path"])
         if path not in known:
-            known[path] = read_skin(path, str(plain["path"]), inside)
+            known[path] = read_skin(path, str(plain["path"]), inside, materials)
         skin = known[path]
         if skin is not None:
             found[number] = BodySkin(skin, float(shape.get("scale", 1.0)))
     if isinstance(scene, FileScene) and scene.skins:
-        found.update(_prim_skins(scene, inside))
+        found.update(_prim_skins(scene, inside, materials))
     if isinstance(scene, dict):
         file = scene_folder_file(scene.name if isinstance(scene, FileScene) else "")
         for number, look in own_looks(with_materials(scene), file).items():
@@ -89,11 +91,13 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
     return found
 
 
-def _prim_skins(scene: FileScene, inside: str | None) -> Iterator[tuple[int, BodySkin]]:
+def _prim_skins(
+    scene: FileScene, inside: str | None, known: Known
+) -> Iterator[tuple[int, BodySkin]]:
     """Of bodies of a stage that are no meshes."""
     with readable_bodies(scene.name, (one.prim for one in scene.skins.values())) as files:
         for number, one in scene.skins.items():
-            skin = read_skin(f"{scene.name}<{one.prim}>", files[one.prim], inside)
+            skin = read_skin(f"{scene.name}<{one.prim}>", files[one.prim], inside, known)
             if skin is not None:
                 yield number, BodySkin(skin, 1.0, np.array(one.rotation), np.array(one.origin))
 

@@ -191,6 +191,35 @@ def test_shapes_that_are_no_meshes_look_as_they_did(written: Path) -> None:
     assert colours == pytest.approx(np.broadcast_to([1, 0.25, 0], colours.shape), abs=0.01)
 
 
+def test_a_stage_is_opened_a_few_times_however_many_bodies_it_has(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It was once for each body: minutes for some thousand."""
+    from pxr import Usd
+
+    begin = STAGE.index("    def Cylinder")
+    post = STAGE[begin : STAGE.index("    def Sphere")]
+    posts = "".join(
+        post.replace('"Post"', f'"Post{i}"').replace("(500, 0, 50)", f"({500 + 50 * i}, 0, 50)")
+        for i in range(40)
+    )
+    path = tmp_path / "posts.usda"
+    path.write_text(STAGE.replace(post, posts))
+    opened_paths = []
+    open_once = Usd.Stage.Open
+
+    def counted(name: str) -> Any:
+        opened_paths.append(name)
+        return open_once(name)
+
+    monkeypatch.setattr(Usd.Stage, "Open", staticmethod(counted))
+    out = tmp_path / "out.npz"
+    assert main(["run", str(path), "--frames", "1", "--quiet", "--out", str(out)]) == 0
+    looks = [body.skin for body in Recording.load(out).bodies if "Post" in body.name]
+    assert len(looks) == 40 and all(skin is not None for skin in looks)
+    assert len(opened_paths) < 8
+
+
 def test_the_ball_arrives_when_it_should(written: Path) -> None:
     """1.5 m before it touches, at 15 m/s."""
     recording = Recording.load(written / "out.npz")
