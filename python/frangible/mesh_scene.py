@@ -103,9 +103,13 @@ def _check(name: str, wishes: Wishes) -> None:
             if given is not None:
                 raise BuildError(f"{option}: {given}, must come with a ball")
         if not wishes.ground:
+            is_stage = name.lower().endswith(USD_ENDINGS)
+            kind = (
+                "is a stage without physics, so one mesh, which" if is_stage else "is a mesh that"
+            )
             raise BuildError(
-                f"{name}: would fall for ever, must have a ball to be struck with, or ground to "
-                "stand on"
+                f"{name}: {kind} would fall for ever, must have a ball to be struck with (--ball), "
+                "or ground to stand on (--ground)"
             )
     elif not all(0.0 < number < math.inf for number in wishes.ball):
         raise BuildError(f"ball: {wishes.ball}, must be a radius and a speed > 0")

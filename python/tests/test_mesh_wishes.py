@@ -112,6 +112,8 @@ def test_a_usd_mesh_keeps_its_own_unit_and_axes(
     assert ground["position"][1] == pytest.approx(0) and "orientation" not in body
     assert ball["shape"]["radius"] == pytest.approx(0.1)
     assert ball["position"] == pytest.approx([0, 0.5, 3.0])
+    with pytest.raises(BuildError, match="is a stage without physics, so one mesh"):
+        frangible.run(path, frames=1)
     recording = frangible.run(path, frames=1, threads=1, wishes={"ground": True})
     low = next(one for one in recording.bodies if one.name == "block").vertices_world(0).min(axis=0)
     assert low == pytest.approx([-0.5, 0, -0.5], abs=0.01)
@@ -120,7 +122,7 @@ def test_a_usd_mesh_keeps_its_own_unit_and_axes(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], ["would fall for ever", "a ball"]),
+        ([], ["is a mesh that would fall for ever", "--ball", "--ground"]),
         (["--hit-at-frame", "3", "--ground"], ["hit_at_frame: 3, must come with a ball"]),
         (["--from", "1,2,3", "--ground"], ["from: (1.0, 2.0, 3.0), must come with a ball"]),
         (["--ball", "1"], ["--ball", "'1', must be R,V"]),
