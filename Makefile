@@ -12,7 +12,7 @@ OUT := out
 DEMO_FRAME := 14
 
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
-PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed)
+PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed -o -name '*.json' -o -name '*.usda')
 
 # What `--out FILE.html` writes a recording into.
 PLAYER := python/frangible/player.html

@@ -11,6 +11,7 @@ from .bench.verification import Finding
 from .breaking.cleaning import CleanMesh
 from .pieces import Contact
 from .report import StepReport
+from .scene_types import SceneDesc
 
 __all__ = [
     "BuildError",
@@ -283,9 +284,11 @@ class World:
     """
 
     @staticmethod
-    def build(scene: str | os.PathLike[str] | dict[str, Any], threads: int = 0) -> World:
-        """Check a scene and build it: JSON, a dictionary, or a file's path, which ends in .json or
-        .toml or has a folder.
+    def build(
+        scene: str | os.PathLike[str] | dict[str, Any] | SceneDesc, threads: int = 0
+    ) -> World:
+        """Check a scene and build it: a `frangible.Scene`, JSON, a dictionary, or a file's path,
+        which ends in .json, .toml or .py, or has a folder.
 
         0 threads means one for every processor. `BuildError` if a rule is broken: path, value and
         rule.

@@ -9,10 +9,12 @@ from .recording import Body
 
 
 def unique_names(names: Iterable[str]) -> Iterator[str]:
-    """Identifiers made of letters, digits and underscores, each different from those before."""
+    """Identifiers made of letters, digits and underscores, each different from those before; of the
+    path of a prim its last name."""
     taken: set[str] = set()
     for name in names:
-        identifier = re.sub(r"[^A-Za-z0-9_]", "_", name) or "body"
+        own = name.rpartition("/")[2] if name.startswith("/") else name
+        identifier = re.sub(r"[^A-Za-z0-9_]", "_", own) or "body"
         if identifier[0].isdigit():
             identifier = f"_{identifier}"
         candidate, count = identifier, 1

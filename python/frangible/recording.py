@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from .convention import Convention
 from .report import StepReport
 from .skin import Skin
 
 if TYPE_CHECKING:
     from ._frangible import World
-    from .scene_skins import BodySkin
+    from .scene_looks import Laid
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -114,6 +115,9 @@ class Recording:
     bodies: list[Body]
     #: One report for every step, as `World.step` gave it.
     reports: list[StepReport] = field(default_factory=list)
+    #: Axes, unit and times that USD is written in: those of the stage that the scene came from.
+    #: Everything here is in metres, y up.
+    convention: Convention = Convention()
 
     def __repr__(self) -> str:
         return (
@@ -129,7 +133,7 @@ class Recording:
         shot: str = "",
         fps: float | None = None,
         progress: ProgressCallback | None = None,
-        skins: dict[int, BodySkin] | None = None,
+        skins: dict[int, Laid] | None = None,
     ) -> Recording:
         """Step a world and keep everything it shows; `ValueError` without a frame to record."""
         check_frames(frames)
@@ -202,7 +206,7 @@ class Recorder:
     """Keeps the frames of a world that somebody steps, and each surface when its body is first
     seen."""
 
-    def __init__(self, world: World, skins: dict[int, BodySkin] | None = None) -> None:
+    def __init__(self, world: World, skins: dict[int, Laid] | None = None) -> None:
         """``skins`` are those of `scene_skins`, for bodies that are meshes."""
         self.world = world
         ids = world.ids.tolist()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,16 +11,16 @@ import numpy as np
 from . import _frangible
 from .breaking.mesh_skin import MeshSkin, read_skin
 from .breaking.volumes import volumes_differ
-from .recording import Bool, Float32, Float64, UInt32, rotation_matrix
+from .io.material_files import Known
+from .io.mesh_files import readable_bodies
+from .recording import Float32, Float64, rotation_matrix
+from .scene_lines import FileScene
+from .scene_looks import Laid, Recorded, own_looks, scene_folder_file
+from .scene_materials import with_materials
 from .skin import Skin
 
 #: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
 DEFAULT_VOXELS = 64
-
-
-#: Vertices, triangles, which are inner, and coordinates of a body, and the frame of its material in
-#: the body frame.
-Recorded = tuple[tuple[Float32, UInt32, Bool, Float32], tuple[list[float], list[float]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +30,19 @@ class BodySkin:
     mesh: MeshSkin
     #: [m] for each unit of the mesh's file.
     scale: float
+    #: From the frame of the body's shape to the mesh's, for rows [m].
+    rotation: Float64 = field(default_factory=lambda: np.eye(3))
+    origin: Float64 = field(default_factory=lambda: np.zeros(3))
 
     def lay_on(self, surfaces: list[Recorded]) -> list[tuple[Skin, Float32]]:
         """The skins and the coordinates of the surfaces of bodies."""
         turns = [rotation_matrix(np.array(orientation)) for _, (_, orientation) in surfaces]
         in_mesh: list[Float64] = [
-            (surface[0].astype(np.float64) - np.array(origin)) @ turn / self.scale
+            (
+                (surface[0].astype(np.float64) - np.array(origin)) @ turn @ self.rotation
+                + self.origin
+            )
+            / self.scale
             for (surface, (origin, _)), turn in zip(surfaces, turns, strict=True)
         ]
         placed = [
@@ -47,7 +54,8 @@ class BodySkin:
         for own, (surface, _), turn, below in zip(placed, surfaces, turns, found, strict=True):
             skin, coordinates = self.mesh.lay_on(*own, surface[3], below)
             if skin.normals is not None:
-                skin = replace(skin, normals=(skin.normals @ turn.T).astype(np.float32))
+                turned = skin.normals @ (turn @ self.rotation).T
+                skin = replace(skin, normals=turned.astype(np.float32))
             laid.append((skin, coordinates))
         return laid
 
@@ -61,19 +69,37 @@ def _meshes(scene: Any) -> Iterator[tuple[int, dict[str, Any], dict[str, Any]]]:
             yield number, body, shape
 
 
-def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[int, BodySkin]:
+def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[int, Laid]:
     """For the number of each body that has one, its skin. ``readable`` is what `readable_scene`
     made of the scene, in its context."""
-    found: dict[int, BodySkin] = {}
+    found: dict[int, Laid] = {}
     known: dict[str, MeshSkin | None] = {}
+    materials: Known = {}
     for (number, _, shape), (_, _, plain) in zip(_meshes(scene), _meshes(readable), strict=True):
         path = str(shape["path"])
         if path not in known:
-            known[path] = read_skin(path, str(plain["path"]), inside)
+            known[path] = read_skin(path, str(plain["path"]), inside, materials)
         skin = known[path]
         if skin is not None:
             found[number] = BodySkin(skin, float(shape.get("scale", 1.0)))
+    if isinstance(scene, FileScene) and scene.skins:
+        found.update(_prim_skins(scene, inside, materials))
+    if isinstance(scene, dict):
+        file = scene_folder_file(scene.name if isinstance(scene, FileScene) else "")
+        for number, look in own_looks(with_materials(scene), file).items():
+            found[number] = replace(look, mesh=found.get(number))
     return found
+
+
+def _prim_skins(
+    scene: FileScene, inside: str | None, known: Known
+) -> Iterator[tuple[int, BodySkin]]:
+    """Of bodies of a stage that are no meshes."""
+    with readable_bodies(scene.name, (one.prim for one in scene.skins.values())) as files:
+        for number, one in scene.skins.items():
+            skin = read_skin(f"{scene.name}<{one.prim}>", files[one.prim], inside, known)
+            if skin is not None:
+                yield number, BodySkin(skin, 1.0, np.array(one.rotation), np.array(one.origin))
 
 
 def volume_notes(readable: Any, masses: Any) -> list[str]:

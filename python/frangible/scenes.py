@@ -7,20 +7,41 @@ import json
 import math
 import os
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 from ._frangible import BuildError, shot_scene, shots
+from .convention import Convention
+from .description import Description
+from .extras import missing_packages
 from .io.gltf_mesh import ENDINGS as GLTF_ENDINGS
-from .io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
-from .words import did_you_mean
+from .io.mesh_files import ENDINGS as MESH_ENDINGS
+from .io.mesh_files import (
+    USD_ENDINGS,
+    check_ending,
+    mesh_ending,
+    readable_bodies,
+    readable_mesh,
+    stage_and_prim,
+)
+from .io.reading import file_fault
+from .mesh_scene import UNITS, Wishes, mesh_scene
+from .scene_fields import set_field
+from .scene_lines import FileScene, with_line
+from .scene_looks import without_own_looks
+from .scene_materials import has_materials, with_materials
+from .scene_python import python_scene
+from .words import shown
 
 #: A scene as `docs/scene_format.md` describes it.
 Scene = dict[str, Any]
 
-#: Endings of scene files.
-ENDINGS = (".json", ".toml")
+#: Endings of scene files that are text.
+TEXT_ENDINGS = (".json", ".toml")
+#: Endings of scene files; those of USD are if there is physics in it.
+ENDINGS = (*TEXT_ENDINGS, ".py", *USD_ENDINGS)
 
 #: How long a scene runs that does not say how many frames it takes [s].
 SECONDS = 3.0
@@ -34,10 +55,68 @@ def is_scene_file(name: str) -> bool:
     return name.lower().endswith(ENDINGS) or "/" in name or os.sep in name
 
 
+def is_mesh_file(name: str | os.PathLike[str]) -> bool:
+    """True if this names a mesh file, or a stage without physics; `BuildError` if it is no
+    stage."""
+    path = os.fspath(name)
+    ending = _ending(path)
+    if ending not in USD_ENDINGS:
+        return ending in MESH_ENDINGS
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{path}: {hint}")
+    from .io.usd_scene import is_physics_stage
+
+    return not is_physics_stage(path)
+
+
 def read_scene(path: str | os.PathLike[str]) -> Scene:
-    """The scene of a .json or .toml file; what is relative in it is to the file's folder.
+    """The scene of a .json, .toml, .py or USD file; what is relative in it is to the file's folder.
     `BuildError` if it is none."""
     name = os.fspath(path)
+    ending = _ending(name)
+    found = as_dict(
+        _read_python(name)
+        if ending == ".py"
+        else _read_stage(name)
+        if ending in USD_ENDINGS
+        else _read_text(name)
+    )
+    if not isinstance(found, dict):
+        raise BuildError(f"{name}: {shown(found)}, must be an object with the fields of a scene")
+    folder = os.path.dirname(os.path.abspath(name))
+    for holder in _path_holders(found):
+        holder["path"] = os.path.join(folder, holder["path"])
+    return found
+
+
+def as_dict(scene: Any) -> Any:
+    """A `Scene` as a dictionary; anything else as it is."""
+    return scene.to_dict() if isinstance(scene, Description) else scene
+
+
+def _ending(name: str) -> str:
+    return mesh_ending(name)
+
+
+def _read_stage(name: str) -> Any:
+    if hint := missing_packages("usd"):
+        raise BuildError(f"{name}: {hint}")
+    from .io.usd_scene import read_usd_scene
+
+    read = read_usd_scene(name)
+    scene = FileScene(read.fields)
+    scene.name, scene.convention, scene.skins = name, read.convention, read.skins
+    return scene
+
+
+def _read_python(name: str) -> Any:
+    if fault := file_fault(name):
+        raise BuildError(f"{name}: {fault}")
+    return copy.deepcopy(python_scene(name))
+
+
+def _read_text(name: str) -> Any:
+    """The value of a .json or .toml file, which knows its lines if it is an object."""
     try:
         with open(name, "rb") as file:
             content = file.read(LARGEST + 1)
@@ -53,12 +132,11 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BuildError(f"{name}: is not UTF-8 text, must be a scene in JSON or TOML") from None
-    scene = _parse_toml(name, text) if name.lower().endswith(".toml") else parse_json(name, text)
-    if not isinstance(scene, dict):
-        raise BuildError(f"{name}: {_shown(scene)}, must be an object with the fields of a scene")
-    folder = os.path.dirname(os.path.abspath(name))
-    for holder in _path_holders(scene):
-        holder["path"] = os.path.join(folder, holder["path"])
+    found = _parse_toml(name, text) if name.lower().endswith(".toml") else parse_json(name, text)
+    if not isinstance(found, dict):
+        return found
+    scene = FileScene(found)
+    scene.name, scene.text = name, text
     return scene
 
 
@@ -104,35 +182,59 @@ def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:
 
 @contextmanager
 def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
-    """A scene that the core can build, from JSON, a dictionary or a file's path, while the context
-    lasts.
+    """A scene that the core can build, from a `Scene`, JSON, a dictionary or a file's path, while
+    the context lasts.
 
-    USD and glTF files are read here, with what moves in them as it is at a pose time [s].
+    Materials are resolved, and USD and glTF files read here, with what moves in them as it is at a
+    pose time [s]. A `BuildError` of the context about a field of a file quotes its line.
     """
     if isinstance(scene, os.PathLike) or (
         isinstance(scene, str) and is_scene_file(scene) and "{" not in scene
     ):
         scene = read_scene(scene)
-    elif isinstance(scene, str) and any(ending in scene for ending in (".usd", *GLTF_ENDINGS)):
+    elif isinstance(scene, str) and any(word in scene for word in _RESOLVED):
         scene = parse_json("scene", scene)
-    if not isinstance(scene, dict) or not any(
-        _is_converted(holder) for holder in _path_holders(scene)
-    ):
-        yield scene
-        return
-    scene = copy.deepcopy(scene)
-    with ExitStack() as files:
-        for holder in filter(_is_converted, _path_holders(scene)):
-            holder["path"] = files.enter_context(readable_mesh(holder["path"], pose_time))
-        yield scene
+    given = scene = as_dict(scene)
+    try:
+        if has_materials(scene):
+            scene = with_materials(scene)
+        if isinstance(scene, dict):
+            scene = without_own_looks(scene)
+        if not isinstance(scene, dict) or not any(
+            _is_converted(holder) for holder in _path_holders(scene)
+        ):
+            yield scene
+            return
+        scene = copy.deepcopy(scene)
+        with ExitStack() as files:
+            bodies: dict[str, list[tuple[dict[str, Any], str]]] = {}
+            for holder in filter(_is_converted, _path_holders(scene)):
+                path, prim = stage_and_prim(holder["path"])
+                if prim is None:
+                    holder["path"] = files.enter_context(readable_mesh(path, pose_time))
+                else:
+                    bodies.setdefault(path, []).append((holder, prim))
+            # Each stage is opened once.
+            for path, holders in bodies.items():
+                prims = [prim for _, prim in holders]
+                names = files.enter_context(readable_bodies(path, prims))
+                for holder, prim in holders:
+                    holder["path"] = names[prim]
+            yield scene
+    except BuildError as error:
+        raise with_line(error, given) from None
+
+
+#: What the text of a scene holds that the core does not resolve.
+_RESOLVED = (".usd", *GLTF_ENDINGS, '"material', '"outside')
 
 
 def _is_converted(holder: dict[str, Any]) -> bool:
-    return os.path.splitext(holder["path"])[1].lower() in (*USD_ENDINGS, *GLTF_ENDINGS)
+    return _ending(holder["path"]) in (*USD_ENDINGS, *GLTF_ENDINGS)
 
 
 def find_scene(
-    source: str | os.PathLike[str] | Scene,
+    source: str | os.PathLike[str] | Scene | Description,
     *,
     mesh: str | None = None,
     fps: float | None = None,
@@ -142,12 +244,26 @@ def find_scene(
     pose_time: float | None = None,
     pieces: int | None = None,
     thickness: float | None = None,
+    wishes: Mapping[str, Any] | None = None,
 ) -> tuple[Scene, int, str]:
-    """The scene of a shot, a file or a dictionary, with fields set as `set_field` does; how many
-    frames it takes; its name.
+    """The scene of a shot, a file, a dictionary, or of a mesh file with fields of `Wishes`; with
+    fields set as `set_field` does; how many frames it takes; its name.
 
     `BuildError` if there is none, or what is asked for does not fit it.
     """
+    if isinstance(source, (str, os.PathLike)) and is_mesh_file(source):
+        if mesh is not None:
+            raise BuildError(f"mesh: {mesh}, must be left out for a mesh file")
+        own: dict[str, Any] = {"pieces": pieces, "thickness": thickness, "seed": seed}
+        scene = _mesh_scene(source, {**own, "frames_per_second": fps, **(wishes or {})})
+        if method is not None:
+            scene["method"] = method
+        for assignment in assignments:
+            set_field(scene, assignment)
+        return scene, _frames(scene), _stem(source)
+    for wish, value in (wishes or {}).items():
+        option = {"origin": "from"}.get(wish, wish)
+        raise BuildError(f"{option}: {value}, must come with a mesh file; see --set for scenes")
     if isinstance(source, str) and not is_scene_file(source):
         options = {"fps": fps, "method": method, "seed": seed, "thickness": thickness}
         scene = _shot(source, mesh, pose_time, options)
@@ -155,12 +271,13 @@ def find_scene(
         for assignment in assignments:
             set_field(scene, assignment)
         return scene, _frames(scene), source
-    for option, given in (("mesh", mesh), ("seed", seed), ("thickness", thickness)):
-        if given is not None:
+    for option, said in (("mesh", mesh), ("seed", seed), ("thickness", thickness)):
+        if said is not None:
             raise BuildError(
-                f"{option}: {given}, must be left out for a scene of one's own, which says it "
-                "itself"
+                f"{option}: {said}, must be left out for a scene of one's own, which says it itself"
             )
+    if isinstance(source, Description):
+        source = source.to_dict()
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
     if fps is not None:
         # It lasts as long as before.
@@ -180,12 +297,25 @@ def find_scene(
     return scene, _frames(scene), str(name)
 
 
+def _mesh_scene(path: str | os.PathLike[str], wishes: Mapping[str, Any]) -> Scene:
+    given = {field: value for field, value in wishes.items() if value is not None}
+    scene = FileScene(mesh_scene(path, Wishes(**given)).to_dict())
+    scene.name = os.fspath(path)
+    if _ending(scene.name) in USD_ENDINGS:
+        from .io.usd_scene import stage_convention
+
+        scene.convention = replace(stage_convention(scene.name), first_frame=0.0)
+    else:
+        unit = UNITS[wishes.get("unit") or "m"]
+        scene.convention = Convention(wishes.get("up") or "y", unit)
+    return scene
+
+
 def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[str, Any]) -> Scene:
     if name not in dict(shots()) and os.path.exists(name):
         kind = "is a folder" if os.path.isdir(name) else "is no scene file"
-        raise BuildError(
-            f"{name}: {kind}, must end in {' or '.join(ENDINGS)}, or be the name of a shot"
-        )
+        endings = f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
+        raise BuildError(f"{name}: {kind}, must end in {endings}, or be the name of a shot")
     if mesh is not None:
         check_ending(mesh)
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:
@@ -223,73 +353,6 @@ def _frames(scene: Scene) -> int:
     if isinstance(frames, int):
         return frames
     return math.ceil(SECONDS * rate) if isinstance(rate, (int, float)) and 0 < rate < 1e9 else 1
-
-
-def set_field(scene: Scene, assignment: str) -> None:
-    """Set a field by its path, as in ``bodies.wall.breaking.strength=2e6``; bodies by name or
-    number, values as JSON.
-
-    A value that is no JSON is text. All bodies of a name are set. `BuildError` names the part of
-    the path that does not fit.
-    """
-    path, equals, text = assignment.partition("=")
-    if not equals or not path.strip(". "):
-        raise BuildError(f"--set {assignment}: must be PATH=VALUE, as in bodies.wall.friction=0.3")
-    try:
-        value = json.loads(text)
-    except (json.JSONDecodeError, RecursionError):
-        value = text
-    _assign(scene, path.strip(), "", value, f"--set {path.strip()}")
-
-
-def _assign(place: Any, rest: str, here: str, value: Any, at: str) -> None:
-    """Go down by the first part of ``rest``, and set the value where it ends."""
-    rest = rest.replace("[", ".").replace("]", "").lstrip(".")
-    steps: list[int] | list[str]
-    if isinstance(place, list):
-        steps, after = _rows(place, rest, here, at)
-    elif isinstance(place, dict):
-        field, _, after = rest.partition(".")
-        steps = [field]
-    else:
-        raise BuildError(f"{at}: {here} is {_shown(place)}, which has no fields")
-    step: int | str
-    for step in steps:
-        if not after:
-            place[step] = copy.deepcopy(value)
-            continue
-        if isinstance(step, str) and place.get(step) is None:
-            place[step] = {}
-        _assign(place[step], after, f"{here}.{step}".lstrip("."), value, at)
-
-
-def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], str]:
-    """The rows of a list that the path begins with, by number or by name, and the rest of the
-    path."""
-    names = {
-        row["name"] for row in place if isinstance(row, dict) and isinstance(row.get("name"), str)
-    }
-    for name in sorted(names, key=len, reverse=True):
-        if name and (rest == name or rest.startswith(f"{name}.")):
-            rows = [
-                index
-                for index, row in enumerate(place)
-                if isinstance(row, dict) and row.get("name") == name
-            ]
-            return rows, rest[len(name) + 1 :]
-    step, _, after = rest.partition(".")
-    if step.isdecimal() and int(step) < len(place):
-        return [int(step)], after
-    rule = f"a number below {len(place)}" + (
-        f", or a name: {', '.join(sorted(names))}" if names else ""
-    )
-    raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
-
-
-def _shown(value: Any) -> str:
-    """A value, shortened."""
-    text = json.dumps(value, default=str)
-    return text if len(text) <= 40 else f"{text[:36]} ..."
 
 
 def as_json(scene: Scene) -> str:

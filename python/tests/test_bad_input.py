@@ -153,7 +153,7 @@ def test_what_is_no_scene_is_told_apart_from_an_unknown_shot(
     monkeypatch.chdir(tmp_path)
     Path("notes.txt").write_text("dear")
     Path("folder").mkdir()
-    rule = "must end in .json or .toml, or be the name of a shot"
+    rule = "must end in .json, .toml, .py, .usd, .usda, .usdc or .usdz, or be the name of a shot"
     assert complain("run", "notes.txt") == f"frangible: notes.txt: is no scene file, {rule}"
     assert complain("run", "folder") == f"frangible: folder: is a folder, {rule}"
 

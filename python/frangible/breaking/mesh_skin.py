@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._frangible import closest_triangles, mesh_attributes
-from ..io.material_files import read_materials
+from ..io.material_files import Known, read_materials
 from ..materials import INSIDE, INSIDE_ROUGHNESS, LOOKS, OUTSIDE_ROUGHNESS, Material
 from ..recording import Bool, Float32, Float64, Int64, UInt32
 from ..skin import NO_MATERIAL, Skin
@@ -214,8 +214,11 @@ def _weights(points: Float64, triangles: Float64) -> Float64:
     return np.stack([1.0 - v - w, v, w], axis=2)
 
 
-def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:
-    """Attributes of a file; ``plain`` is what `readable_mesh` made of it.
+def read_skin(
+    path: str, plain: str, inside: str | None, known: Known | None = None
+) -> MeshSkin | None:
+    """Attributes of a file; ``plain`` is what `readable_mesh` made of it, ``known`` as in
+    `read_materials`.
 
     ``inside`` names the material of what cracks lay bare: one of the file's, a look, or a new one.
     `None` if there is nothing.
@@ -223,7 +226,7 @@ def read_skin(path: str, plain: str, inside: str | None) -> MeshSkin | None:
     said = mesh_attributes(plain)
     if said is None:
         return None if inside is None else _bare(_chosen(inside, ()))
-    materials, transforms = read_materials(path, plain, said["materials"])
+    materials, transforms = read_materials(path, plain, said["materials"], known)
     material = said["material"]
     coordinates: Float32 = said["coordinates"]
     for number, transform in transforms.items():

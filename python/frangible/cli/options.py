@@ -7,8 +7,8 @@ import math
 import re
 import signal
 import sys
-from collections.abc import Callable
-from typing import NoReturn
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
 
 from .. import _frangible
 from ..breaking.piece_count import LEAST_PIECES, MOST_PIECES
@@ -62,7 +62,8 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "shot",
         metavar="SHOT|FILE",
-        help="one of those that `frangible shots` lists, or a scene file (.json, .toml)",
+        help="one of those that `frangible shots` lists, a scene file (.json, .toml, .py, or "
+        ".usd with physics), or one mesh file",
     )
     parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
     parser.add_argument(
@@ -98,8 +99,9 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
     add_pose_time(parser)
 
 
-def chosen_scene(options: argparse.Namespace) -> tuple[Scene, int, str]:
-    """The scene, number of frames and name that the options of `add_scene_options` choose."""
+def chosen_scene(options: argparse.Namespace, wishes: Mapping[str, Any]) -> tuple[Scene, int, str]:
+    """The scene, number of frames and name that the options of `add_scene_options` choose, with
+    what is wished of a mesh file."""
     check_pieces(options.pieces, None)
     return find_scene(
         options.shot,
@@ -111,6 +113,7 @@ def chosen_scene(options: argparse.Namespace) -> tuple[Scene, int, str]:
         pieces=options.pieces,
         assignments=options.assignments,
         pose_time=options.pose_time,
+        wishes=wishes,
     )
 
 

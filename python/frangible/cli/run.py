@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..interrupts import stop_when_asked
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
 from ..report import StepReport
+from ..scene_lines import convention_of
 from ..scene_skins import scene_skins, volume_notes
 from ..scenes import readable_scene
 from ..simulation import check_bodies
@@ -31,6 +33,7 @@ from .options import (
     natural,
 )
 from .outputs import open_outputs, write
+from .wishes import add_wishes, wished
 
 
 def add_run(commands: Any) -> None:
@@ -40,6 +43,7 @@ def add_run(commands: Any) -> None:
     )
     run.set_defaults(command=_run)
     add_scene_options(run)
+    add_wishes(run)
     run.add_argument(
         "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
     )
@@ -72,7 +76,7 @@ def add_run(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
     outputs = open_outputs(options)
-    scene, frames, name = chosen_scene(options)
+    scene, frames, name = chosen_scene(options, wished(options))
     frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
         raise OutputError(
@@ -115,6 +119,7 @@ def _run(options: argparse.Namespace) -> int:
     status = 0
     if recorder is not None:
         recording = recorder.finish(name, float(scene.get("frames_per_second", 1.0 / world.dt)))
+        recording = replace(recording, convention=convention_of(scene))
         status = write(outputs, recording, options.quiet)
     summary = summarise(
         reports,

@@ -6,11 +6,14 @@ import argparse
 import json
 from typing import Any
 
-from .. import _frangible
 from ..io.toml_text import as_toml
+from ..scene_file import save_scene
+from ..scene_schema import scene_schema
 from ..scenes import as_json
 from .options import add_scene_options, chosen_scene
+from .scene_module import scene_module
 from .scene_page import scene_page
+from .wishes import add_wishes, wished
 
 
 def add_scene(commands: Any) -> None:
@@ -19,11 +22,19 @@ def add_scene(commands: Any) -> None:
     scene = commands.add_parser("scene", help=about)
     scene.set_defaults(command=_scene)
     add_scene_options(scene)
-    scene.add_argument("--toml", action="store_true", help="print TOML, not JSON")
+    add_wishes(scene)
+    form = scene.add_mutually_exclusive_group()
+    form.add_argument("--toml", action="store_true", help="print TOML, not JSON")
+    form.add_argument(
+        "--out", metavar="FILE", help="write it as .json, .toml, .usda, .usdc or .usd instead"
+    )
 
 
 def _scene(options: argparse.Namespace) -> None:
-    scene, *_ = chosen_scene(options)
+    scene, *_ = chosen_scene(options, wished(options))
+    if options.out is not None:
+        save_scene(scene, options.out)
+        return
     print(as_toml(scene), end="") if options.toml else print(as_json(scene))
 
 
@@ -33,9 +44,16 @@ def add_schema(commands: Any) -> None:
         "schema", help="print the JSON Schema of scene files, or their description for people"
     )
     schema.set_defaults(command=_schema)
-    schema.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
+    form = schema.add_mutually_exclusive_group()
+    form.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
+    form.add_argument("--python", action="store_true", help="frangible/scene_types.py")
 
 
 def _schema(options: argparse.Namespace) -> None:
-    schema = _frangible.scene_schema()
-    print(scene_page(schema), end="") if options.markdown else print(json.dumps(schema, indent=2))
+    schema = scene_schema()
+    if options.markdown:
+        print(scene_page(schema), end="")
+    elif options.python:
+        print(scene_module(schema), end="")
+    else:
+        print(json.dumps(schema, indent=2))

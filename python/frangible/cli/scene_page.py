@@ -13,7 +13,8 @@ HEAD = """# Scene files
 `frangible run scene.json` (or `.toml`) simulates a scene; `frangible scene SHOT > scene.json`, or
 `frangible scene SHOT --toml > scene.toml`, prints one to start from, and
 `--set bodies.wall.breaking.strength=2e6` sets a field, of bodies by their name or number. In
-Python, `frangible.run` and `World.build` take the path, or the same as a dictionary.
+Python, `frangible.run` and `World.build` take the path, the same as a dictionary, or a
+`frangible.Scene`, whose classes have these fields: [scenes_in_python.md](scenes_in_python.md).
 [`docs/scenes`](scenes) has three small ones.
 
 Quantities are SI, y is up, quaternions are x, y, z, w. A path of a mesh or a pattern is relative to
@@ -102,6 +103,8 @@ def _type(field: Schema) -> str:
             return " or ".join(_type(one) for one in field[several] if one.get("type") != "null")
     kinds = field["type"] if isinstance(field["type"], list) else [field["type"]]
     (kind,) = (kind for kind in kinds if kind != "null")
+    if kind == "object":
+        return f"object: {_type(field['additionalProperties'])} by name"
     if kind != "array":
         return {
             "number": "number",

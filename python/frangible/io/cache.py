@@ -42,6 +42,8 @@ key                   shape and type     meaning
                                          none
 ``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
 ``reports``           () str             the report of every step, as JSON
+``convention``        () str             axes, unit and first time of USD, as JSON; none in older
+                                         caches
 ===================== ================== ===========================================================
 """
 
@@ -54,6 +56,7 @@ from zipfile import is_zipfile
 import numpy as np
 import numpy.typing as npt
 
+from ..convention import Convention
 from ..errors import CacheError, one_sentence
 from ..recording import Body, Recording
 from ..report import StepReport
@@ -95,6 +98,7 @@ def write_npz(recording: Recording, path: str) -> None:
         "orientations": rows([body.orientations for body in bodies], (0, 4), np.float64),
         "pose_offsets": offsets([body.positions for body in bodies]),
         "reports": np.array(json.dumps(recording.reports)),
+        "convention": np.array(recording.convention.to_json()),
         **skin_arrays(bodies),
         "before": rows([_before(body)[None] for body in bodies], (0, 7), np.float64),
     }
@@ -167,7 +171,14 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
         frames=int(arrays["frames"]),
         bodies=bodies,
         reports=reports,
+        convention=_convention(arrays),
     )
+
+
+def _convention(arrays: dict[str, npt.NDArray[Any]]) -> Convention:
+    if "convention" not in arrays:
+        return Convention()
+    return Convention.from_json(str(arrays["convention"]))
 
 
 def _reports(text: str, frames: int) -> list[StepReport]:

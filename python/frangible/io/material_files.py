@@ -15,7 +15,7 @@ from ..errors import one_sentence
 from ..materials import MAGNIFIED, MINIFIED, REPEAT, USD_WRAPS, Colour, Image, Material, Sampler
 from .gltf_document import Document, open_document, own_file
 from .image_files import image_file, known_image
-from .mesh_files import USD_ENDINGS
+from .mesh_files import USD_ENDINGS, mesh_ending, stage_and_prim
 from .reading import FileNote, file_fault
 
 #: Of materials, by their numbers: what moves texture coordinates with v down (3, 3).
@@ -25,21 +25,34 @@ Transforms = dict[int, npt.NDArray[np.float64]]
 ROUGHNESS = 0.7
 
 
-def read_materials(path: str, plain: str, names: list[str]) -> tuple[list[Material], Transforms]:
+#: Materials of stages that were read already, by file and path.
+Known = dict[tuple[str, str], Material]
+
+
+def read_materials(
+    path: str, plain: str, names: list[str], known: Known | None = None
+) -> tuple[list[Material], Transforms]:
     """The materials of those names: in OBJ and USD names or paths, in PLY images, in glTF numbers.
 
-    One that is not found has a name only.
+    One that is not found has a name only. Those of stages are looked up among the known ones first,
+    and added to them.
     """
-    if os.path.splitext(path)[1].lower() in USD_ENDINGS:
-        from .usd_looks import read_usd_materials
+    if mesh_ending(path) in USD_ENDINGS:
+        file, _ = stage_and_prim(path)
+        found = {} if known is None else known
+        missing = [name for name in names if (file, name) not in found]
+        if missing:
+            from .usd_looks import read_usd_materials
 
-        return read_usd_materials(path, names), {}
+            for name, material in zip(missing, read_usd_materials(file, missing), strict=True):
+                found[file, name] = material
+        return [found[file, name] for name in names], {}
     if os.path.splitext(plain)[1].lower() == ".ply":
         return [_of_image(path, name) for name in names], {}
     if os.path.splitext(plain)[1].lower() == ".obj":
-        found = _of_obj(path)
+        named = _of_obj(path)
         return [
-            found.get(name, Material((0.8, 0.8, 0.8), ROUGHNESS, name=name)) for name in names
+            named.get(name, Material((0.8, 0.8, 0.8), ROUGHNESS, name=name)) for name in names
         ], {}
     with one_sentence(path, "glTF file"):
         document = open_document(plain)

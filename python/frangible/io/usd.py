@@ -6,7 +6,6 @@ from __future__ import annotations
 import errno
 import math
 import os
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from ..render.palette import Palette
 from .image_folder import ImageFolder
 from .keyframes import telling_samples
 from .usd_materials import add_material
+from .usd_tree import PrimTree, root_name
 from .usd_stage import mark, open_stage, written_as
 from .whole import whole_path
 
@@ -37,36 +37,42 @@ def write_usd(recording: Recording, path: str) -> None:
     # Sample times and units.
     stage = Usd.Stage.CreateNew(path)
     images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    convention = recording.convention
+    is_z_up = convention.up_axis == "z"
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if is_z_up else UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, convention.metres)
     stage.SetMetadata("kilogramsPerUnit", 1.0)
     stage.SetTimeCodesPerSecond(recording.fps)
     stage.SetFramesPerSecond(recording.fps)
-    stage.SetStartTimeCode(0.0)
-    stage.SetEndTimeCode(float(recording.frames))
+    stage.SetStartTimeCode(convention.first_frame)
+    stage.SetEndTimeCode(convention.first_frame + recording.frames)
     mark(stage, RECORDING)
 
     # The root.
-    root = UsdGeom.Xform.Define(stage, "/World")
+    families = by_source(with_visible_ground(recording).bodies)
+    tree = PrimTree(stage, root_name([family[0].name for family in families.values()]))
+    root = UsdGeom.Xform.Get(stage, tree.root)
     Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
     stage.SetDefaultPrim(root.GetPrim())
-    UsdGeom.Scope.Define(stage, "/World/Materials")
+    materials = tree.child(tree.root, "Materials")
+    UsdGeom.Scope.Define(stage, materials)
+    # What is below is in metres, y up.
+    if is_z_up:
+        root.AddRotateXOp().Set(90.0)
+    if convention.metres != 1.0:
+        root.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
 
     # One Xform for each source, with its pieces.
-    families = by_source(with_visible_ground(recording).bodies)
     palette = Palette(
         families,
-        lambda name, material: add_material(stage, f"/World/Materials/{name}", material, images),
+        lambda name, material: add_material(stage, f"{materials}/{name}", material, images),
     )
-    names = unique_names(["Materials", *(family[0].name for family in families.values())])
-    next(names)
-    for family, name in zip(families.values(), names, strict=True):
-        UsdGeom.Xform.Define(stage, f"/World/{name}")
-        place = _places(stage, f"/World/{name}")
+    for family in families.values():
+        source = tree.source(family[0].name)
         for body in family:
-            mesh = _mesh(stage, place(body, body.name), body, palette)
-            _motion(mesh, body)
-            _life(mesh, body)
+            mesh = _mesh(stage, tree.body(source, body, family[0].name), body, palette)
+            _motion(mesh, body, convention.first_frame)
+            _life(mesh, body, convention.first_frame)
     _save(stage)
 
 
@@ -87,30 +93,10 @@ def write_pieces(pieces: Pieces, path: str) -> None:
         lambda own, material: add_material(stage, f"/{name}/Materials/{own}", material, images),
         ("outer", "inner"),
     )
-    place = _places(stage, f"/{name}")
+    tree = PrimTree(stage, name, ["Materials"])
     for body in bodies:
-        _motion(_mesh(stage, place(body, body.name), body, palette), body)
+        _motion(_mesh(stage, tree.body(tree.root, body, ""), body, palette), body)
     _save(stage)
-
-
-def _places(stage: Any, root: str) -> Callable[[Body, str], str]:
-    """Where each next body goes below a root: under the nodes that its mesh has in its file, with a
-    name of its own there."""
-    branches: dict[tuple[str, ...], str] = {(): root}
-    taken: dict[str, list[str]] = {root: ["Materials"]}
-
-    def child(parent: str, name: str) -> str:
-        *_, own = unique_names([*taken.setdefault(parent, []), name])
-        taken[parent].append(own)
-        return f"{parent}/{own}"
-
-    def branch(path: tuple[str, ...]) -> str:
-        if path not in branches:
-            branches[path] = child(branch(path[:-1]), path[-1])
-            UsdGeom.Xform.Define(stage, branches[path])
-        return branches[path]
-
-    return lambda body, name: child(branch(() if body.skin is None else body.skin.path), name)
 
 
 def _save(stage: Any) -> None:
@@ -193,8 +179,8 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
     return mesh
 
 
-def _motion(mesh: Any, body: Body) -> None:
-    frames = body.birth_frame + np.arange(len(body.positions))
+def _motion(mesh: Any, body: Body, first_frame: float = 0.0) -> None:
+    frames = first_frame + body.birth_frame + np.arange(len(body.positions))
 
     # Samples only while the body lives, and none that interpolation gives anyway.
     translate = mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
@@ -216,24 +202,25 @@ def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> N
             layer.SetTimeSample(path, float(frames[row]), values[row])
 
 
-def _life(mesh: Any, body: Body) -> None:
+def _life(mesh: Any, body: Body, first_frame: float) -> None:
     """Show a body while it lives; not everything that reads USD heeds a visibility that changes."""
     if body.birth_frame == 0 and body.death_frame is None:
         return
     visibility = mesh.CreateVisibilityAttr()
     scale = mesh.AddScaleOp(UsdGeom.XformOp.PrecisionFloat)
     nothing, whole = Gf.Vec3f(0.0), Gf.Vec3f(1.0)
-    birth, death = float(body.birth_frame), body.death_frame
-    if birth > 0.0:
+    birth = first_frame + body.birth_frame
+    death = None if body.death_frame is None else first_frame + body.death_frame
+    if body.birth_frame > 0:
         visibility.Set(UsdGeom.Tokens.invisible, 0.0)
         # Scales between two samples are interpolated: each change is a steep one.
         scale.Set(nothing, birth - STEP)
     visibility.Set(UsdGeom.Tokens.inherited, birth)
     scale.Set(whole, birth)
     if death is not None:
-        visibility.Set(UsdGeom.Tokens.invisible, float(death))
+        visibility.Set(UsdGeom.Tokens.invisible, death)
         scale.Set(whole, death - STEP)
-        scale.Set(nothing, float(death))
+        scale.Set(nothing, death)
 
 
 def describe_usd(path: str) -> dict[str, object] | None:
@@ -242,7 +229,8 @@ def describe_usd(path: str) -> dict[str, object] | None:
     with open_stage(path, CacheError) as stage:
         if written_as(stage) != RECORDING:
             return None
-        frames, fps = stage.GetEndTimeCode(), stage.GetTimeCodesPerSecond()
+        frames = stage.GetEndTimeCode() - stage.GetStartTimeCode()
+        fps = stage.GetTimeCodesPerSecond()
         if not (frames >= 0 and float(frames).is_integer() and 0 < fps < math.inf):
             raise CacheError(
                 f"{path}: has {frames:g} frames at {fps:g} a second, must be a whole number and a "

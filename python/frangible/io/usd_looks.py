@@ -98,6 +98,15 @@ def _corners(value: Any, interpolation: str, part: Part, columns: int) -> Rows |
     return found
 
 
+def has_look(prim: Any) -> bool:
+    """True if a prim has a material with a surface, or colours."""
+    bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    if bound and bound.ComputeSurfaceSource()[0]:
+        return True
+    colours = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+    return bool(colours) and bool(colours.HasAuthoredValue())
+
+
 def _materials(part: Part) -> list[str]:
     bound = UsdShade.MaterialBindingAPI(part.prim).ComputeBoundMaterial()[0]
     names = [str(bound.GetPath()) if bound else ""] * len(part.counts)

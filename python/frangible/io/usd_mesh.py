@@ -27,11 +27,11 @@ MOST_PARTS = 200_000
 def write_stage(path: str, obj: str, pose_time: float | None) -> None:
     """Write all meshes and shapes of a stage that are visible and no guides, as OBJ."""
     with open_stage(path) as stage:
-        reader = _Reader(path, time_code(stage, pose_time), is_posed=pose_time is not None)
+        reader = StageReader(path, time_code(stage, pose_time), is_posed=pose_time is not None)
         units = np.eye(4)
         units[:3, :3] = metres_from_stage(path, stage).T
         parts = [moved(part, units) for part in reader.gather(stage.GetPseudoRoot())]
-        notes = [*_missing(stage), *reader.left_out_parts()]
+        notes = [*missing_files(stage), *reader.left_out_parts()]
         if not any(len(part.counts) for part in parts):
             raise BuildError("; ".join([f"{path}: has no mesh that can be seen", *notes]))
         write_obj(obj, parts, reader.time)
@@ -40,7 +40,9 @@ def write_stage(path: str, obj: str, pose_time: float | None) -> None:
 
 
 @dataclass(slots=True)
-class _Reader:
+class StageReader:
+    """Reads meshes and shapes, and counts them."""
+
     path: str
     time: Any
     #: True if somebody asked for that time, at which skeletons would have moved.
@@ -82,7 +84,9 @@ class _Reader:
             if not is_instancer and not prim.IsA(UsdGeom.Gprim):
                 continue
             found = (
-                self._instances(UsdGeom.PointInstancer(prim)) if is_instancer else self._gprim(prim)
+                self._instances(UsdGeom.PointInstancer(prim))
+                if is_instancer
+                else self.parts_of(prim)
             )
             frame = prim
             if self.is_posed and prim.IsA(UsdGeom.Mesh):
@@ -102,7 +106,8 @@ class _Reader:
             UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) != UsdGeom.Tokens.invisible
         )
 
-    def _gprim(self, prim: Any) -> list[Part]:
+    def parts_of(self, prim: Any) -> list[Part]:
+        """A mesh or shape by itself, in its own frame; nothing for any other prim."""
 
         # Its points and polygons.
         kind = str(prim.GetTypeName())
@@ -249,7 +254,7 @@ class _Reader:
         return [f"left out: {', '.join(listed)}"] if self.left_out else []
 
 
-def _missing(stage: Any) -> list[str]:
+def missing_files(stage: Any) -> list[str]:
     """Files that the stage refers to and that are not there, if there are some."""
     missing = list(dict.fromkeys(str(error).strip() for error in stage.GetCompositionErrors()))
     if not missing:

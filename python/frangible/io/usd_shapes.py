@@ -22,17 +22,20 @@ SIDES = 96
 BANDS = SIDES // 4
 
 
+def length_of(path: str, prim: Any, name: str, time: Any) -> float:
+    """An attribute that must be a number > 0."""
+    value = float(prim.GetAttribute(name).Get(time))
+    if not (math.isfinite(value) and value > 0.0):
+        raise BuildError(f"{path}: the {name} of {prim.GetPath()}: {value}, must be a number > 0")
+    return value
+
+
 def faces_of(path: str, prim: Any, time: Any) -> Faces | None:
     """A cube, ball, cylinder, cone, capsule or plane; `None` for any other prim. Round shapes have
     their exact volume."""
 
     def length(name: str) -> float:
-        value = float(prim.GetAttribute(name).Get(time))
-        if not (math.isfinite(value) and value > 0.0):
-            raise BuildError(
-                f"{path}: the {name} of {prim.GetPath()}: {value}, must be a number > 0"
-            )
-        return value
+        return length_of(path, prim, name, time)
 
     def radii() -> tuple[float, float]:
         if prim.GetAttribute("radius"):

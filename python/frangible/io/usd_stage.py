@@ -48,7 +48,7 @@ def mark(stage: Any, kind: str) -> None:
 
 def metres_from_stage(path: str, stage: Any) -> npt.NDArray[np.float64]:
     """The matrix (3, 3) that turns lengths of a stage into metres, and its axes until y is up."""
-    unit = _number(stage, "metersPerUnit", 0.01)
+    unit = number_of(stage, "metersPerUnit", 0.01)
     if not (math.isfinite(unit) and unit > 0.0):
         raise BuildError(f"{path}: metersPerUnit: {unit}, must be a number > 0")
     scale = np.diag([unit] * 3)
@@ -58,7 +58,7 @@ def metres_from_stage(path: str, stage: Any) -> npt.NDArray[np.float64]:
     return np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) @ scale
 
 
-def _number(stage: Any, key: str, otherwise: float) -> float:
+def number_of(stage: Any, key: str, otherwise: float) -> float:
     """A number of the stage's metadata, of whichever type it was stored as."""
     layers = (stage.GetSessionLayer(), stage.GetRootLayer())
     layer = next((layer for layer in layers if layer and layer.pseudoRoot.HasInfo(key)), None)
@@ -68,7 +68,13 @@ def _number(stage: Any, key: str, otherwise: float) -> float:
         value = float(layer.pseudoRoot.GetInfo(key))
     except (TypeError, ValueError, Tf.ErrorException):
         return math.nan
-    # A single was meant as the short number that it is nearest to.
+    return short_number(value)
+
+
+def short_number(value: float) -> float:
+    """The short number that a single was meant as, of which it is the nearest."""
+    if not math.isfinite(value) or abs(value) > 1e38:
+        return value
     single = np.float32(value)
     return float(str(single)) if float(single) == value else value
 

@@ -1,0 +1,73 @@
+"""Scenes, stages and commands of the documentation do what it says."""
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import frangible
+import pytest
+from frangible import Scene, World
+from frangible.cli import main
+from test_first_ten_minutes import ARCH
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def blocks(page: str, language: str) -> list[str]:
+    found = re.findall(
+        rf"```{language}\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL
+    )
+    assert found, page
+    return found
+
+
+def test_the_scene_of_the_readme_breaks(tmp_path: Path) -> None:
+    (text,) = blocks("README.md", "toml")
+    assert len(text.splitlines()) <= 20
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    recording = frangible.run(path, frames=6, threads=1)
+    broken = [report for report in recording.reports if report["fractures"]]
+    assert len(broken) == 1
+    pieces = [body for body in recording.bodies if body.parent is not None]
+    assert len(pieces) == pytest.approx(60, rel=0.1)
+    assert {body.look for body in pieces} == {"concrete"}
+
+
+def test_materials_of_the_docs_build() -> None:
+    (body,) = blocks("docs/materials.md", "json")
+    World.build(f'{{"bodies": [{body}]}}', 1)
+    text, look = blocks("docs/materials.md", "toml")
+    scene = tomllib.loads(text.replace('look = "stone"\n', "") + look)
+    assert Scene.from_dict(scene).materials is not None
+    (mass,) = World.build(scene, 1).masses
+    assert mass == pytest.approx(2700)
+
+
+def test_the_stage_of_the_docs_is_read(tmp_path: Path) -> None:
+    pytest.importorskip("pxr")
+    (text,) = blocks("docs/usd.md", "usda")
+    points = "int[] faceVertexCounts = [3, 3, 3, 3]\n"
+    points += "int[] faceVertexIndices = [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]\n"
+    points += "point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]\n"
+    path = tmp_path / "stage.usda"
+    path.write_text(f"#usda 1.0\n(\n metersPerUnit = 1\n)\n{text.replace('{', '{' + points, 1)}")
+    (wall,) = Scene.load(path).bodies
+    assert wall.name == "/Wall" and wall.material == "concrete"
+    assert wall.breaking is not None and wall.breaking.pieces == 60
+
+
+def test_commands_of_the_docs_are_understood(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As scenes, with a small mesh in place of the one that is named."""
+    monkeypatch.chdir(tmp_path)
+    Path("suzanne.obj").write_text(ARCH)
+    commands = blocks("docs/one_mesh.md", "sh")[0].replace("\\\n", " ").splitlines()
+    for command in commands:
+        words = shlex.split(command, comments=True)
+        assert words[:2] == ["frangible", "run"]
+        without_output = words[2 : words.index("--out")]
+        assert main(["scene", *without_output]) == 0, command
+    assert '"name": "ball"' in capsys.readouterr().out
