@@ -1,5 +1,6 @@
 //! One frame.
 
+pub(crate) mod body_path;
 pub(crate) mod bonds;
 pub(crate) mod break_bodies;
 pub(crate) mod quarantine;
@@ -7,6 +8,7 @@ pub(crate) mod quarantine;
 use crate::report::books::{Totals, gravity_impulse};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use crate::scene::desc::Method;
+use crate::step::body_path::follow_paths;
 use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::step::break_bodies::break_bodies;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
@@ -41,6 +43,9 @@ const FEW: usize = 256;
 fn advance(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
     let mut clock = StageClock::new(world.clock);
+
+    // Kinematic bodies are where their paths say.
+    follow_paths(world);
 
     // Overloaded bonds break.
     let Freed { fractures: mut freed, blows } = free_overloaded(world, &frame);

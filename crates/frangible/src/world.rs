@@ -6,6 +6,7 @@ use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::{LookDesc, Method};
 use crate::scene::fineness::Fineness;
 use crate::scene::strength::Strength;
+use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use frangible_bodies::{
     Bodies, BodyId, Drowsiness, Frame, Motion, NewBody, StepSettings, Velocity,
@@ -56,6 +57,8 @@ pub struct Label {
     pub breaking: Option<Box<Breaking>>,
     /// Glued pieces of a body, if any.
     pub bonds: Option<Box<Bonds>>,
+    /// Given motion of a kinematic body, if any.
+    pub path: Option<Box<BodyPath>>,
 }
 
 /// A break need not meet the number of pieces that is asked for more closely: each try costs a

@@ -13,6 +13,7 @@ use crate::scene::fineness::Fineness;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::strength::Strength;
+use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
 use crate::world::{Breaking, Label, World};
@@ -65,7 +66,7 @@ impl World {
         let names: Vec<_> = scene.bodies.iter().map(|body| Some(body.name.clone())).collect();
         for (index, body) in scene.bodies.iter().enumerate() {
             let at = checker.field(&format!("bodies[{index}]"));
-            let (new_body, label) = build_body(body, scene.method, &at, &mut library)
+            let (new_body, label) = build_body(body, (scene.method, rate), &at, &mut library)
                 .map_err(|error| error.in_body(&names))?;
             world.spawn(new_body, label);
         }
@@ -142,7 +143,7 @@ fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildE
 
 fn build_body(
     desc: &BodyDesc,
-    method: Method,
+    (method, rate): (Method, f64),
     at: &Checker,
     library: &mut ShapeLibrary,
 ) -> Result<(NewBody, Label), BuildError> {
@@ -194,11 +195,15 @@ fn build_body(
 
     // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
     let world_from_shape = RigidTransform::new(rotation, position);
-    let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
-    let pose = Pose {
-        position: world_from_body.translation,
-        orientation: world_from_body.rotation.normalize(),
+    let pose_of = |world_from_shape: RigidTransform| {
+        let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
+        Pose {
+            position: world_from_body.translation,
+            orientation: world_from_body.rotation.normalize(),
+        }
     };
+    let path = build_path(desc, rate, at, pose_of)?;
+    let pose = path.as_ref().map_or(pose_of(world_from_shape), |path| path.at(0.0));
     let bonds = match &desc.bonds {
         Some(bonds) => {
             Some(build_bonds(bonds, desc, &shape, &world_from_shape, &at.field("bonds"))?)
@@ -218,8 +223,47 @@ fn build_body(
     };
     let surface =
         SurfaceProperties { friction, rolling_friction, spinning_friction, restitution, strength };
-    let label = Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds };
+    let label =
+        Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds, path };
     Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
+}
+
+/// Path of a body, from poses of its shape's own frame.
+fn build_path(
+    desc: &BodyDesc,
+    rate: f64,
+    at: &Checker,
+    pose_of: impl Fn(RigidTransform) -> Pose,
+) -> Result<Option<Box<BodyPath>>, BuildError> {
+    let path = at.field("path");
+    if desc.path.is_empty() {
+        return Ok(None);
+    }
+    if desc.motion != MotionDesc::Kinematic {
+        return Err(path.broken("on a body that is not kinematic", "left out"));
+    }
+    if desc.linear_velocity != [0.0; 3] || desc.angular_velocity != [0.0; 3] {
+        return Err(path.broken("beside a velocity", "without one: the path gives it"));
+    }
+    let mut keys: Vec<(f64, Pose)> = Vec::new();
+    for (number, key) in desc.path.iter().enumerate() {
+        let at = at.field(&format!("path[{number}]"));
+        let frame = at.field("frame").within(key.frame, 0.0, f64::from(u32::MAX))?;
+        if keys.last().is_some_and(|(last, _)| *last >= frame) {
+            return Err(at.field("frame").broken(&format!("{frame}"), "after the one before"));
+        }
+        let position = at.field("position").vector(key.position, "m")?;
+        let rotation = at.field("orientation").rotation(key.orientation)?;
+        let pose = pose_of(RigidTransform::new(rotation, position));
+        if let Some((last, from)) = keys.last() {
+            let way = (pose.position - from.position).abs().max_element();
+            at.field("position")
+                .within(way * rate / (frame - last), 0.0, MOST_SPEED)
+                .map_err(|_| at.broken("too far from the one before", "within 1e5 m/s of it"))?;
+        }
+        keys.push((frame, pose));
+    }
+    Ok(Some(Box::new(BodyPath { keys })))
 }
 
 /// True for a mesh that does not move by itself and is not to be sampled.

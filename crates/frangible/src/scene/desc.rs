@@ -128,6 +128,12 @@ pub struct BodyDesc {
     /// Up to 1e4 about each axis [rad/s].
     #[serde(default)]
     pub angular_velocity: [f64; 3],
+    /// Poses of a kinematic body at frames, in ascending order: it is there exactly at the end of
+    /// each frame. In between its centre of mass moves straight and it turns evenly; before the
+    /// first and after the last it stands still. Instead of `position`, `orientation` and
+    /// velocities.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path: Vec<KeyframeDesc>,
     /// From 1e-6 to 1e9 [kg/m^3].
     #[serde(default = "defaults::density")]
     pub density: f64,
@@ -153,6 +159,19 @@ pub struct BodyDesc {
     /// Appearance in pictures and files; no effect on physics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub look: Option<LookDesc>,
+}
+
+/// Pose of a body at a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KeyframeDesc {
+    /// 0 is the start; may lie between whole frames.
+    pub frame: f64,
+    /// As that of the body [m].
+    pub position: [f64; 3],
+    /// As that of the body.
+    #[serde(default = "defaults::orientation")]
+    pub orientation: [f64; 4],
 }
 
 /// The look of a body.
@@ -462,6 +481,7 @@ impl BodyDesc {
             orientation: defaults::orientation(),
             linear_velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
+            path: Vec::new(),
             density: defaults::density(),
             friction: defaults::half(),
             rolling_friction: 0.0,

@@ -145,6 +145,7 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
             Box::new(Breaking { generations, strength: strength(), ..breaking.clone() })
         }),
         bonds: None,
+        path: None,
     }
 }
 

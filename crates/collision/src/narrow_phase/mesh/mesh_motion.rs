@@ -104,6 +104,12 @@ impl<'a> MeshMotion<'a> {
         mesh_from_body.rotation.conjugate() * sag_mesh
     }
 
+    /// Way of the body by gravity since the frame's start, mesh frame [m].
+    pub(crate) fn sag(&self, time: f64) -> DVec3 {
+        let sag = 0.5 * time * time * self.body_path().acceleration;
+        self.mesh_path().start.orientation.conjugate() * sag
+    }
+
     pub(crate) fn body_path(&self) -> &BallisticPath {
         self.pair_motion.paths[usize::from(self.mesh_is_first)]
     }

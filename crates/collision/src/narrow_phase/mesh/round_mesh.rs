@@ -21,6 +21,9 @@ const DEPTH: f64 = 0.25;
 /// Cosine of the least angle at an edge whose rim is not met, as for polyhedra [1].
 const STEEP: f64 = 0.9;
 
+/// Cosine of the angle between planes that count as one [1].
+const FLAT: f64 = 1.0 - 1e-9;
+
 /// Numbers of points where a side leaves a triangle: beyond those of the body's own features.
 const CUT: u64 = 64;
 
@@ -169,6 +172,11 @@ impl RoundMesh<'_> {
             |normal: DVec3| normal.dot(edge.along).abs() <= ASIDE && edge.stands_out(normal, ASIDE);
         let Some((separation, time)) = self.meets(&segment, stands_out) else { return };
         let normal = edge.flush(separation.normal);
+        let mesh = self.of.motion.mesh;
+        let is_border = mesh.edge_kind(triangle, corner) == EdgeKind::Border;
+        if is_border && self.passes_over(mesh.normal(triangle), edge.ends[0], (normal, time)) {
+            return;
+        }
         self.push(&segment, (Separation { normal, ..separation }, time), id, contacts);
     }
 
@@ -184,7 +192,23 @@ impl RoundMesh<'_> {
         let stands_out = |normal: DVec3| is_in_front(normal) && mesh.is_peak(vertex, normal, ASIDE);
         let Some((separation, time)) = self.meets(&point, stands_out) else { return };
         let normal = flush(separation.normal, around());
+        let is_border = around().next().filter(|first| around().all(|n| n.dot(*first) > FLAT));
+        if is_border.is_some_and(|outward| self.passes_over(outward, at, (normal, time))) {
+            return;
+        }
         self.push_corner(vertex, (normal, time), contacts);
+    }
+
+    /// True for a body that meets the border of a triangle aside at an instant, but is over the
+    /// triangle's plane then and at the frame's start: without gravity, which something else
+    /// bears. A cylinder that slid from one flush mesh to the next lost half of its speed.
+    fn passes_over(&self, outward: DVec3, on_plane: DVec3, (normal, time): (DVec3, f64)) -> bool {
+        let motion = self.of.motion;
+        let up = (self.of.start.middle - on_plane).dot(outward).signum() * outward;
+        let gap = |round: &PlacedRevolved| -round.reach(-up) - round.rounding - on_plane.dot(up);
+        let sag = if motion.is_borne { DVec3::ZERO } else { motion.sag(time) };
+        let lowest = gap(&self.of.start).min(gap(&self.of.placed(time)) - sag.dot(up));
+        normal.dot(up) < FLAT && lowest >= -motion.rim
     }
 
     /// Appends the contact with a corner along a normal at an instant.

@@ -84,6 +84,7 @@ fn island_body(
         look: world.labels[parent].look,
         breaking: None,
         bonds,
+        path: None,
     };
     let mut body = fragment_body(
         &world.bodies,

@@ -174,7 +174,14 @@ impl Stage {
                 surface: bodies.surfaces[i],
             };
             let Label { look, bonds, .. } = world.labels[i].clone();
-            let label = Label { name: String::new(), parent: None, look, breaking: None, bonds };
+            let label = Label {
+                name: String::new(),
+                parent: None,
+                look,
+                breaking: None,
+                bonds,
+                path: None,
+            };
             origins.insert(stage.spawn(body, label), bodies.ids[i]);
         }
         let old = origins.keys().copied().collect();

@@ -1,0 +1,54 @@
+//! Given motion of kinematic bodies, from pose to pose.
+
+use crate::world::World;
+use frangible_bodies::{Drowsiness, Motion, Pose};
+use glam::{DQuat, DVec3};
+
+/// Poses of a body at frames.
+#[derive(Clone, Debug)]
+pub struct BodyPath {
+    /// Frames in ascending order, at least one.
+    pub(crate) keys: Vec<(f64, Pose)>,
+}
+
+impl BodyPath {
+    /// Pose at a frame; before the first and after the last key that of the key.
+    pub(crate) fn at(&self, frame: f64) -> Pose {
+        let next = self.keys.partition_point(|(key, _)| *key <= frame);
+        let ends = [next.saturating_sub(1), next.min(self.keys.len() - 1)];
+        let [(before, from), (after, to)] = ends.map(|key| self.keys[key]);
+        if before >= after {
+            return from;
+        }
+        let part = ((frame - before) / (after - before)).clamp(0.0, 1.0);
+        Pose {
+            position: from.position.lerp(to.position, part),
+            orientation: from.orientation.slerp(to.orientation, part),
+        }
+    }
+
+    /// Velocity of the centre of mass [m/s] and spin [rad/s] that lead from a frame to the next.
+    pub(crate) fn velocity(&self, frame: f64, dt: f64) -> (DVec3, DVec3) {
+        let [from, to] = [self.at(frame), self.at(frame + 1.0)];
+        let turn = to.orientation * from.orientation.inverse();
+        // The shorter of both ways around.
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        ((to.position - from.position) / dt, DQuat::to_scaled_axis(turn) / dt)
+    }
+}
+
+/// Puts the bodies with paths where these begin the frame, and lets them move to where these end
+/// it.
+pub(crate) fn follow_paths(world: &mut World) {
+    let frame = world.frame as f64;
+    for (i, label) in world.labels.iter().enumerate() {
+        let Some(path) = &label.path else { continue };
+        let (linear, angular) = path.velocity(frame, world.dt);
+        let motion = Motion::Kinematic { linear, angular };
+        world.bodies.poses[i] = path.at(frame);
+        if world.bodies.motions[i] != motion {
+            world.bodies.motions[i] = motion;
+            world.bodies.activities[i].drowsiness = Drowsiness::default();
+        }
+    }
+}
