@@ -296,6 +296,20 @@ Shape = (
 
 
 @dataclass(slots=True)
+class Keyframe(Description):
+    """Pose of a body at a frame."""
+
+    #: 0 is the start; may lie between whole frames.
+    frame: float
+    #: As that of the body [m].
+    position: Numbers
+
+    _: KW_ONLY
+    #: As that of the body. Without it [0.0, 0.0, 0.0, 1.0].
+    orientation: Numbers | None = None
+
+
+@dataclass(slots=True)
 class Strength(Description):
     """Fracture properties of a material. The energy of a blow limits its number of pieces: cracks
     take their energy from the bodies' relative motion."""
@@ -630,6 +644,11 @@ class Body(Description):
     linear_velocity: Numbers | None = None
     #: Up to 1e4 about each axis [rad/s]. Without it [0.0, 0.0, 0.0].
     angular_velocity: Numbers | None = None
+    #: Poses of a kinematic body at frames, in ascending order: it is there exactly at the end of
+    #: each frame. In between its centre of mass moves straight and it turns evenly; before the
+    #: first and after the last it stands still. Instead of `position`, `orientation` and
+    #: velocities.
+    path: list[Keyframe] | None = None
     #: From 1e-6 to 1e9 [kg/m^3]. Without it 2400.0.
     density: float | None = None
     #: Coulomb's coefficient; a pair has the smaller of its two. Without it 0.5.

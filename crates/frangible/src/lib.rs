@@ -42,8 +42,8 @@ pub use scene::desc::breaking::{
 };
 pub use scene::desc::read::{no_json, read, schema};
 pub use scene::desc::{
-    BodyDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc, ShapeDesc,
-    SidesDesc, SolverDesc,
+    BodyDesc, KeyframeDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc,
+    ShapeDesc, SidesDesc, SolverDesc,
 };
 pub use scene::fineness::{Fineness, Found};
 pub use scene::strength::Strength;

@@ -8,12 +8,11 @@ pub(crate) mod quarantine;
 use crate::report::books::{Totals, gravity_impulse};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use crate::scene::desc::Method;
-use crate::step::body_path::follow_paths;
 use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::step::break_bodies::break_bodies;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::world::World;
-use frangible_bodies::{Frame, Pose, accelerate, predict};
+use frangible_bodies::{Drowsiness, Frame, Motion, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
 use frangible_dynamics::{
     Blow, Collisions, Contact, ContactFreeState, EnergyAtStart, FrameAccounts, Phase, Response,
@@ -130,6 +129,22 @@ fn advance(world: &mut World) -> StepReport {
         },
         quarantined,
         stages: clock.laps,
+    }
+}
+
+/// Puts the bodies with paths where these begin the frame, and lets them move to where these end
+/// it.
+fn follow_paths(world: &mut World) {
+    let frame = world.frame as f64;
+    for (i, label) in world.labels.iter().enumerate() {
+        let Some(path) = &label.path else { continue };
+        let (linear, angular) = path.velocity(frame, world.dt);
+        let motion = Motion::Kinematic { linear, angular };
+        world.bodies.poses[i] = path.at(frame);
+        if world.bodies.motions[i] != motion {
+            world.bodies.motions[i] = motion;
+            world.bodies.activities[i].drowsiness = Drowsiness::default();
+        }
     }
 }
 

@@ -7,8 +7,10 @@
     reason = "a test that cannot go on fails"
 )]
 
-use frangible::{BodyDesc, Resolution, SceneDesc, ShapeDesc, World, step};
-use glam::DVec3;
+use frangible::{
+    BodyDesc, KeyframeDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc, World, step,
+};
+use glam::{DQuat, DVec3};
 
 fn cube(edge: f64) -> ShapeDesc {
     ShapeDesc::Box { size: [edge; 3], resolution: Resolution::default() }
@@ -116,4 +118,53 @@ fn the_same_scene_gives_the_same_bits() {
         world.state_hash()
     };
     assert_eq!(run(), run());
+}
+
+/// A kinematic body is where its path says at the end of each frame, also between key frames, and
+/// strikes with the velocity of its way.
+#[test]
+fn kinematic_bodies_follow_their_paths() {
+    let key = |frame: f64, x: f64, turn: f64| KeyframeDesc {
+        frame,
+        position: [x, 0.0, 0.0],
+        orientation: DQuat::from_rotation_z(turn).to_array(),
+    };
+    let block = ShapeDesc::Box { size: [1.0, 2.0, 0.5], resolution: Resolution::default() };
+    let hammer = BodyDesc {
+        motion: MotionDesc::Kinematic,
+        path: vec![key(2.0, 0.0, 0.0), key(6.0, 0.8, 1.0), key(8.5, 0.8, 3.0)],
+        ..BodyDesc::new("hammer", block.clone())
+    };
+    let struck = BodyDesc { position: [1.5, 0.0, 0.0], ..BodyDesc::new("struck", block) };
+    let scene = SceneDesc {
+        gravity: [0.0; 3],
+        bodies: vec![hammer.clone(), struck],
+        ..SceneDesc::new("hammer")
+    };
+    let mut world = World::build(&scene).unwrap();
+    let expected = [(0.0, 0.0); 2]
+        .into_iter()
+        .chain(
+            [0.2, 0.4, 0.6, 0.8].into_iter().enumerate().map(|(i, x)| (x, 0.25 * (i + 1) as f64)),
+        )
+        .chain([(0.8, 1.8), (0.8, 2.6), (0.8, 3.0), (0.8, 3.0)]);
+    for (frame, (x, turn)) in expected.enumerate() {
+        let report = step(&mut world);
+        let pose = &world.bodies().poses[0];
+        assert!((pose.position.x - x).abs() < 1e-12, "{frame}: {}", pose.position);
+        let off = pose.orientation.angle_between(DQuat::from_rotation_z(turn));
+        assert!(off < 1e-7, "{frame}: {off}");
+        assert!(report.energy.gain <= 1e-9 * report.energy.causes.work.abs().max(1.0));
+    }
+    assert!(world.bodies().velocities[1].linear.x > 1.0, "it was struck");
+
+    let wrong = |hammer: BodyDesc| {
+        let scene = SceneDesc { bodies: vec![hammer], ..scene.clone() };
+        World::build(&scene).unwrap_err().to_string()
+    };
+    let twice = vec![key(2.0, 0.0, 0.0); 2];
+    let sentence = wrong(BodyDesc { path: twice, ..hammer.clone() });
+    assert!(sentence.starts_with("bodies[0].path[1].frame: 2, must be after"), "{sentence}");
+    let sentence = wrong(BodyDesc { motion: MotionDesc::Dynamic, ..hammer });
+    assert!(sentence.starts_with("bodies[0].path: on a body that is not kinematic"), "{sentence}");
 }

@@ -1,7 +1,6 @@
 //! Given motion of kinematic bodies, from pose to pose.
 
-use crate::world::World;
-use frangible_bodies::{Drowsiness, Motion, Pose};
+use frangible_bodies::Pose;
 use glam::{DQuat, DVec3};
 
 /// Poses of a body at frames.
@@ -34,21 +33,5 @@ impl BodyPath {
         // The shorter of both ways around.
         let turn = if turn.w < 0.0 { -turn } else { turn };
         ((to.position - from.position) / dt, DQuat::to_scaled_axis(turn) / dt)
-    }
-}
-
-/// Puts the bodies with paths where these begin the frame, and lets them move to where these end
-/// it.
-pub(crate) fn follow_paths(world: &mut World) {
-    let frame = world.frame as f64;
-    for (i, label) in world.labels.iter().enumerate() {
-        let Some(path) = &label.path else { continue };
-        let (linear, angular) = path.velocity(frame, world.dt);
-        let motion = Motion::Kinematic { linear, angular };
-        world.bodies.poses[i] = path.at(frame);
-        if world.bodies.motions[i] != motion {
-            world.bodies.motions[i] = motion;
-            world.bodies.activities[i].drowsiness = Drowsiness::default();
-        }
     }
 }
