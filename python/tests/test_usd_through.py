@@ -262,3 +262,57 @@ def test_a_damaged_convention_is_named(
     assert main(["info", str(tmp_path / "bad.npz")]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "is not a readable .npz cache" in line
+
+
+#: A hammer in centimetres, z up, that stands for five frames, reaches a wall of glass after five
+#: more, and goes on through it.
+HAMMER = """#usda 1.0
+(
+    metersPerUnit = 0.01
+    upAxis = "Z"
+    startTimeCode = 1
+    endTimeCode = 15
+    timeCodesPerSecond = 24
+)
+def PhysicsScene "Physics"
+{
+    float physics:gravityMagnitude = 0
+}
+def Cube "Hammer" (
+    prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI"]
+)
+{
+    double size = 20
+    bool physics:kinematicEnabled = 1
+    double3 xformOp:translate.timeSamples = { 6: (-100, 0, 100), 16: (100, 0, 100) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Cube "Pane" (
+    prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "FrangibleFractureAPI"]
+)
+{
+    uniform token frangible:material = "glass"
+    uniform token frangible:pattern = "voronoi"
+    int frangible:pattern:cells = 12
+    double size = 1
+    float3 xformOp:scale = (2, 150, 150)
+    double3 xformOp:translate = (16, 0, 100)
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+}
+"""
+
+
+def test_an_animated_hammer_breaks_a_pane_in_the_frame_of_its_arrival(tmp_path: Path) -> None:
+    path = tmp_path / "hammer.usda"
+    path.write_text(HAMMER)
+    out = tmp_path / "out.npz"
+    assert main(["run", str(path), "--quiet", "--out", str(out)]) == 0
+    recording = Recording.load(out)
+    # It moves by 20 cm in a frame from code 6 on: its front is at
+    # 10 cm after 10 frames, and that of the pane is at 15 cm.
+    broken = [report["frame"] for report in recording.reports if report["fractures"]]
+    assert broken[0] == 11, broken
+    hammer = next(body for body in recording.bodies if body.name == "/Hammer")
+    ways = [hammer.pose(frame)[0][0] for frame in (0, 5, 10, 14)]
+    assert ways == pytest.approx([-1.0, -1.0, 0.0, 0.8], abs=1e-12)
+    assert len(recording.alive(14)) > 5

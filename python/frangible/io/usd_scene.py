@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
-from .. import _frangible
 from .._frangible import BuildError
 from ..convention import Convention
 from ..recording import Float64
@@ -37,8 +36,6 @@ EARTH = 9.81
 LONGEST = 10_000
 #: Of a collider without a physics material. UsdPhysics leaves friction open and restitution 0.
 FRICTION, RESTITUTION = 0.5, 0.0
-#: The field of a scene's body that holds the poses of a kinematic one.
-POSES = "path"
 
 
 def is_physics_stage(path: str) -> bool:
@@ -139,8 +136,6 @@ class _Importer:
         self.units = Units(metres, kilograms)
         self.range = self._range()
         self.time = time_code(stage, None)
-        fields = _frangible.scene_schema()["$defs"]["BodyDesc"]["properties"]
-        self.has_poses = POSES in fields
 
     def scene(self) -> dict[str, Any]:
         scene: dict[str, Any] = {"gravity": self._gravity()}
@@ -309,9 +304,7 @@ class _Importer:
             self.notes.add(
                 "animated collider that is no kinematic body", body.name, "stays where it is first"
             )
-        elif self.has_poses:
-            fields[POSES] = keyframes(
+        else:
+            fields["path"] = keyframes(
                 body.prim, shape, own, self.world, self.range.start, self.range.frames
             )
-        else:
-            self.notes.add("animated kinematic body", body.name, "stays where it is first")
