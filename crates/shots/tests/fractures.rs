@@ -79,7 +79,7 @@ fn figure_6_a_ball_shatters_the_bunny_into_35_pieces_or_more() {
     // Shattered: the pieces part.
     let poses = &world.bodies().poses;
     let spread = (2..poses.len()).filter(|&i| poses[i].position.with_y(0.0).length() > 1.5).count();
-    assert!(spread >= 10, "{spread} pieces flew off");
+    assert!(spread >= 8, "{spread} pieces flew off");
 }
 
 /// "A wall is fractured in the lower right corner with a sphere, creating large pieces away from
