@@ -208,7 +208,7 @@ impl RoundMesh<'_> {
         let gap = |round: &PlacedRevolved| -round.reach(-up) - round.rounding - on_plane.dot(up);
         let sag = if motion.is_borne { DVec3::ZERO } else { motion.sag(time) };
         let lowest = gap(&self.of.start).min(gap(&self.of.placed(time)) - sag.dot(up));
-        normal.dot(up) < FLAT && lowest >= -motion.rim
+        normal.dot(up).abs() < ASIDE && lowest >= -motion.rim
     }
 
     /// Appends the contact with a corner along a normal at an instant.
