@@ -18,7 +18,7 @@ pub(crate) mod draw;
 use body::Convex;
 use glam::DVec3;
 
-/// What the oracle says about two convex bodies.
+/// Answer of the oracle about two convex bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Truth {
     /// Separation of the surfaces [m]; negative for overlap.

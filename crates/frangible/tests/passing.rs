@@ -195,7 +195,7 @@ proptest! {
         prop_assert!(end.abs().max_element() < half, "{end}");
     }
 
-    /// What is shot at a plate, thin or light or at rest, does not fly through it, with whichever
+    /// A body shot at a plate, thin or light or at rest, does not fly through it, with whichever
     /// part it meets the plate; momentum stays.
     #[test]
     fn plates_are_not_passed(

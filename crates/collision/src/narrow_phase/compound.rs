@@ -51,7 +51,7 @@ pub(crate) fn compound_points(
             of_points.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
         }
     }
-    // What lies deep in a compound touches only what its neighbours cover.
+    // A body deep in a compound touches only features that neighbouring parts cover.
     if all.is_empty() {
         all.extend(hidden.into_iter().filter(|point| point.gap < 0.0));
     }

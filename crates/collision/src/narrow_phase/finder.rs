@@ -133,7 +133,7 @@ fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
         };
         // Skip separating samples and samples beyond reach.
         let touches = phi <= 0.0 || phi < ahead * closing + pair_motion.near;
-        // What turns far may touch with another side than it has there now.
+        // Bodies that turn far may touch with another side than they have there now.
         let is_beside = || !turns && pair_motion.is_beside(feature.is_of_first, &contact);
         let touches = touches && !is_beside();
         touches.then_some(Candidate { feature, contact, phi, approach })

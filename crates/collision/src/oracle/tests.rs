@@ -14,7 +14,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What is compared. All errors but the angle are relative to the smaller body's radius, or to the
+/// Compared quantities. All errors but the angle are relative to the smaller body's radius, or to the
 /// distance if that is larger.
 const NAMES: [&str; 7] = [
     // A normal of the narrow phase separates further than the oracle's best: the oracle's own error.
@@ -141,7 +141,7 @@ fn separations_are_those_of_the_oracle() {
     }
 }
 
-/// What failed once.
+/// Pairs that failed once.
 #[test]
 fn what_the_narrow_phase_missed_it_finds() {
     use Kind::*;

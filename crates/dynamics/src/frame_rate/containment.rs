@@ -71,7 +71,8 @@ struct Meeting {
 
 /// Stops the cores that went through another body since the frame's start, where they met it, and
 /// takes their velocity into it. Bodies without contacts keep to their paths, which the broad phase
-/// knows. All cores are looked at in fixed bodies, and that of the smaller body of each manifold in the other.
+/// knows. Fixed bodies are tested against all cores, the larger body of each manifold against those
+/// of the smaller one.
 pub(super) fn contain(
     bodies: &mut Bodies,
     manifolds: &[Manifold],

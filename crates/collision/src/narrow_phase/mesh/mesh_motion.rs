@@ -90,7 +90,7 @@ impl<'a> MeshMotion<'a> {
         }
     }
 
-    /// What to add to a point of the mesh in the body frame [m] on a straight part of free flight
+    /// Offset to add to a point of the mesh in the body frame [m] on a straight part of free flight
     /// between two instants [s], to see it from the same flight without gravity, as of a body that
     /// something else carries.
     pub(crate) fn without_sag(
