@@ -91,8 +91,8 @@ impl<I: Instructions> ContactBatch<I> {
 /// Accumulated impulse that stops a two-dimensional slip, by the effective mass `[xx, yy, xy]`; or,
 /// where that exceeds `most`, one of this length against the slip.
 ///
-/// A sliding contact must be braked along its slip. The impulse that stops it points elsewhere if the
-/// effective mass depends on the direction: clamped alone, it drove long boxes, thrown at 45
+/// A sliding contact must be braked along its slip. The impulse that stops it points elsewhere if
+/// the effective mass depends on the direction: clamped alone, it drove long boxes, thrown at 45
 /// degrees to their sides, 14 degrees off their way. A step by the smaller principal mass, clamped,
 /// has its fixed point where the two are parallel, and never gives energy.
 #[inline(always)]
