@@ -170,10 +170,7 @@ impl World {
         let body = at.field("body");
         let linear = at.field("linear").bounded(linear.to_array(), MOST_SPEED, "m/s")?;
         let angular = at.field("angular").bounded(angular.to_array(), MOST_SPIN, "rad/s")?;
-        let dense = self
-            .bodies
-            .index_of(id)
-            .ok_or_else(|| body.broken(&id_number(id).to_string(), "the id of a living body"))?;
+        let dense = self.living(id)?;
         match self.bodies.motions[dense] {
             Motion::Static => return Err(body.broken("static", "dynamic or kinematic")),
             Motion::Kinematic { .. } => {
@@ -188,6 +185,25 @@ impl World {
         }
         self.bodies.activities[dense].drowsiness = Drowsiness::default();
         Ok(())
+    }
+
+    /// Takes a living body out of the world, with its energy and momentum, which belong to no step
+    /// and no report.
+    ///
+    /// # Errors
+    /// If the body is gone.
+    pub fn remove_body(&mut self, id: BodyId) -> Result<(), BuildError> {
+        let dense = self.living(id)?;
+        let gone: Vec<bool> = (0..self.bodies.len()).map(|i| i == dense).collect();
+        self.remove(&gone);
+        Ok(())
+    }
+
+    /// Dense index of a living body.
+    fn living(&self, id: BodyId) -> Result<usize, BuildError> {
+        let rule = "the id of a living body";
+        let broken = || Checker::root().field("body").broken(&id_number(id).to_string(), rule);
+        self.bodies.index_of(id).ok_or_else(broken)
     }
 
     /// True if a body slept in the last frame; see [sleep](crate::SceneDesc::sleep).

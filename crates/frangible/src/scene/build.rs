@@ -18,7 +18,7 @@ use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
-    Bodies, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties, Velocity,
+    Bodies, BodyId, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties, Velocity,
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
@@ -71,6 +71,18 @@ impl World {
             world.spawn(new_body, label);
         }
         Ok(world)
+    }
+
+    /// Adds a body as a scene would hold it, behind all others. What it brings of energy and
+    /// momentum belongs to no step and no report; the frames of a path are the world's.
+    ///
+    /// # Errors
+    /// As [`World::build`].
+    pub fn add_body(&mut self, body: &BodyDesc) -> Result<BodyId, BuildError> {
+        let at = Checker::root().field("body");
+        let method = (self.method, 1.0 / self.dt);
+        let (body, label) = build_body(body, method, &at, &mut ShapeLibrary::default())?;
+        Ok(self.spawn(body, label))
     }
 }
 
