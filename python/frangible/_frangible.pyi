@@ -1,7 +1,7 @@
 """The engine, compiled from Rust. Quantities are SI, y is up, quaternions are x, y, z, w."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -11,7 +11,7 @@ from .bench.verification import Finding
 from .breaking.cleaning import CleanMesh
 from .pieces import Contact
 from .report import StepReport
-from .scene_types import SceneDesc
+from .scene_types import Body, SceneDesc
 
 __all__ = [
     "BuildError",
@@ -366,6 +366,16 @@ class World:
         Fragments keep that of the body that they broke off from. `KeyError` if no living body has
         the id.
         """
+
+    def add_body(self, body: Mapping[str, Any] | Body) -> int:
+        """Add a body as a scene would hold it, behind all others; its id.
+
+        It may have a preset's material; what it brings of energy and momentum belongs to no step and
+        no report. `BuildError` for the first rule that it breaks.
+        """
+
+    def remove_body(self, id: int) -> None:
+        """Take a living body out, with its energy and momentum; `BuildError` if it is gone."""
 
     def set_velocity(self, id: int, linear: npt.ArrayLike, angular: npt.ArrayLike) -> None:
         """Give a dynamic or kinematic body a velocity, (3) each [m/s, rad/s], in the world frame.

@@ -94,6 +94,11 @@ def as_dict(scene: Any) -> Any:
     return scene.to_dict() if isinstance(scene, Description) else scene
 
 
+def scene_of(body: Any) -> Scene:
+    """A scene that holds only a body, a `Body` or a dictionary."""
+    return {"bodies": [as_dict(body)]}
+
+
 def _ending(name: str) -> str:
     return mesh_ending(name)
 

@@ -8,7 +8,16 @@ from typing import Any, get_type_hints, is_typeddict
 
 import numpy as np
 import pytest
-from frangible import BuildError, Recording, World, shot_defaults, shot_frames, shot_scene
+from frangible import (
+    Body,
+    Box,
+    BuildError,
+    Recording,
+    World,
+    shot_defaults,
+    shot_frames,
+    shot_scene,
+)
 from frangible.report import Fracture, StepReport
 
 BALL = {
@@ -89,6 +98,26 @@ def test_bodies_can_be_told_a_velocity() -> None:
         with pytest.raises(BuildError) as caught:
             world.set_velocity(id, linear, [0, 0, 0])
         assert all(word in str(caught.value) for word in words), str(caught.value)
+
+
+def test_bodies_come_and_go() -> None:
+    world = build(GROUND, BALL, name="come and go")
+    cube = Body(Box([1, 1, 1]), name="cube", position=[0, 3, 0], material="steel")
+    added = world.add_body(cube)
+    assert world.names == ["ground", "ball", "cube"]
+    assert world.masses[2] == pytest.approx(7800)
+    assert world.step()["bodies"] == 3
+    world.remove_body(int(world.ids[1]))
+    assert world.ids.tolist() == [0, added]
+    for act, words in [
+        (lambda: world.remove_body(1), ["body: 1", "living"]),
+        (lambda: world.add_body({**BALL, "density": -1}), ["body.density", "-1"]),
+        (lambda: world.add_body({"shape": {"kind": "mesh", "path": "no.obj"}}), ["no.obj"]),
+    ]:
+        with pytest.raises(BuildError) as caught:
+            act()
+        assert all(word in str(caught.value) for word in words), str(caught.value)
+    assert len(world.ids) == 2
 
 
 def test_a_surface_lies_on_its_shape_and_faces_outward() -> None:

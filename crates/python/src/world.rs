@@ -81,6 +81,24 @@ fn scene(readable: &Bound<'_, PyAny>) -> PyResult<SceneDesc> {
     SceneDesc::from_value(convert::value(&read)).map_err(build_error)
 }
 
+/// What is made of a scene whose files are read, and converted for as long as it takes, in Python.
+fn with_files<T>(
+    scene: &Bound<'_, PyAny>,
+    make: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>,
+) -> PyResult<T> {
+    let py = scene.py();
+    let files = py.import("frangible.scenes")?.call_method1("readable_scene", (scene,))?;
+    let made = make(&files.call_method0("__enter__")?);
+    match &made {
+        Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
+        Err(error) => files.call_method1(
+            "__exit__",
+            (error.get_type(py), error.value(py), error.traceback(py)),
+        )?,
+    };
+    made
+}
+
 #[pymethods]
 impl World {
     /// Check a scene and build it.
@@ -90,17 +108,23 @@ impl World {
         if threads > MOST_THREADS {
             return Err(build_error(format!("threads: {threads}, must be at most {MOST_THREADS}")));
         }
-        // Files are read, and converted for as long as it takes, in Python.
-        let files = py.import("frangible.scenes")?.call_method1("readable_scene", (scene,))?;
-        let built = Self::from_readable(py, &files.call_method0("__enter__")?, threads);
-        match &built {
-            Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
-            Err(error) => files.call_method1(
-                "__exit__",
-                (error.get_type(py), error.value(py), error.traceback(py)),
-            )?,
-        };
-        built
+        with_files(scene, |readable| Self::from_readable(py, readable, threads))
+    }
+
+    /// Add a body as a scene would hold it; its id.
+    fn add_body(&self, py: Python<'_>, body: &Bound<'_, PyAny>) -> PyResult<u64> {
+        let alone = py.import("frangible.scenes")?.call_method1("scene_of", (body,))?;
+        let scene = with_files(&alone, scene)?;
+        let mut inner = self.inner()?;
+        let Inner { world, pool } = &mut *inner;
+        let body = &scene.bodies[0];
+        let added = pool.here()?.install(|| world.add_body(body));
+        added.map(id_number).map_err(build_error)
+    }
+
+    /// Take a living body out.
+    fn remove_body(&self, id: u64) -> PyResult<()> {
+        self.inner()?.world.remove_body(id_from_number(id)).map_err(build_error)
     }
 
     /// Advance by one frame and report on it.
