@@ -18,7 +18,12 @@ PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frang
 PLAYER := python/frangible/player.html
 PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src -type f)
 
-.PHONY: help build demo verify claims soak oracle explore test test-rust test-python test-web test-wasm test-blender clean
+# The engine as a page loads it, and the page.
+ENGINE := web/engine
+VECTORS := +simd128
+PLAYGROUND := web/dist/playground/playground.html
+
+.PHONY: help build web demo verify claims soak oracle explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -64,26 +69,20 @@ test-rust: tests/tools/node_modules/.package-lock.json
 	cargo test --package frangible-bodies --package frangible-collision --package frangible-dynamics \
 	  --locked --lib --profile unit
 
-test-web: web/node_modules/.package-lock.json
-	cd web && npm test --silent
-
 test-python: build tests/tools/node_modules/.package-lock.json
 	$(BIN)/mypy
 	$(BIN)/stubtest frangible._frangible
 	$(BIN)/pytest
 
-# Takes minutes to compile, so `make test` leaves it out.
-test-wasm: ## Check that WebAssembly, with vectors and without, ends in the same states as this machine
-	@test -d "$$(rustc --print target-libdir --target wasm32-unknown-unknown)" || { echo \
-	  "Rust cannot compile for WebAssembly here: run rustup target add wasm32-unknown-unknown"; exit 1; }
-	$(call same_bits_in_wasm,+simd128)
-	$(call same_bits_in_wasm,-simd128)
+test-web: web/node_modules/.package-lock.json $(PLAYGROUND) tests/tools/node_modules/.package-lock.json
+	cd web && npm test --silent
 
-define same_bits_in_wasm
-CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS=-Ctarget-feature=$(1) \
-	  cargo build --locked --package frangible-wasm --target wasm32-unknown-unknown --profile wasm
-node crates/wasm/tests/same_bits.mjs target/wasm32-unknown-unknown/wasm/frangible_wasm.wasm crates/shots/tests/same_bits.txt
-endef
+web: $(PLAYGROUND) ## Build the engine for browsers, and the page to break things in: web/dist/playground
+
+# Vectors are tested with the page; this takes minutes to compile, so `make test` leaves it out.
+test-wasm: ## Check that WebAssembly without vectors ends in the same states too
+	$(MAKE) ENGINE=out/engine-without-vectors VECTORS=-simd128 out/engine-without-vectors/engine_bg.wasm
+	node web/test/same_bits.mjs out/engine-without-vectors
 
 test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
 	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py
@@ -94,7 +93,7 @@ $(BLENDER)/.installed:
 	touch $@
 
 clean: ## Remove what the other targets made
-	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules web/node_modules $(PLAYER)
+	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules web/node_modules web/dist web/engine $(PLAYER)
 
 # The environment may be there already, without pip or without our tools.
 $(VENV)/.tools: pyproject.toml
@@ -117,6 +116,19 @@ $(VENV)/.installed: $(VENV)/.tools $(PLAYER) $(RUST_SOURCES) $(PYTHON_SOURCES)
 	  $(BIN)/maturin build --release --locked --interpreter $(BIN)/python --out target/wheels
 	$(BIN)/python -m pip install --quiet --no-deps --no-index --force-reinstall target/wheels/frangible-*.whl
 	touch $@
+
+# Rust's compiler makes the module; `bindgen` makes what JavaScript calls it through.
+$(ENGINE)/engine_bg.wasm: $(RUST_SOURCES)
+	@rustup target list --installed 2>/dev/null | grep -q wasm32-unknown-unknown || \
+	  rustup target add wasm32-unknown-unknown || { echo \
+	  "Rust cannot compile for WebAssembly here: run rustup target add wasm32-unknown-unknown"; exit 1; }
+	CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS=-Ctarget-feature=$(VECTORS) \
+	  cargo build --locked --package frangible-wasm --target wasm32-unknown-unknown --profile wasm
+	cargo run --locked --quiet --manifest-path crates/wasm/bindgen/Cargo.toml --target-dir target/bindgen -- \
+	  target/wasm32-unknown-unknown/wasm/frangible_wasm.wasm $(ENGINE)
+
+$(PLAYGROUND): web/node_modules/.package-lock.json $(ENGINE)/engine_bg.wasm $(PLAYER_SOURCES)
+	cd web && npm run playground --silent
 
 $(PLAYER): web/node_modules/.package-lock.json $(PLAYER_SOURCES)
 	cd web && npm run build --silent

@@ -1,5 +1,14 @@
 // The clock: the frame that plays at a time.
 
+/** What a clock runs over. */
+export interface Frames {
+  /** Last frame. */
+  readonly frames: number;
+  readonly fps: number;
+  /** Whether more frames come: the end is waited at, else it stops the clock. */
+  readonly grows: boolean;
+}
+
 /** The time of a recording, in frames. */
 export class Clock {
   /** From 0 to the last frame; a fraction lies between two frames. */
@@ -8,10 +17,12 @@ export class Clock {
   /** Seconds of the recording in a second. */
   speed = 1;
 
-  constructor(
-    readonly frames: number,
-    private readonly fps: number,
-  ) {}
+  constructor(private readonly film: Frames) {}
+
+  /** Last frame. */
+  get frames(): number {
+    return this.film.frames;
+  }
 
   /** The frame that is shown: bodies are born and die at whole frames. */
   get frame(): number {
@@ -21,14 +32,14 @@ export class Clock {
   /** Let time pass [s]; at the end the recording stops. */
   advance(seconds: number): void {
     if (!this.playing) return;
-    this.time = Math.min(this.time + seconds * this.speed * this.fps, this.frames);
-    if (this.time === this.frames) this.playing = false;
+    this.time = Math.min(this.time + seconds * this.speed * this.film.fps, this.frames);
+    if (this.time === this.frames && !this.film.grows) this.playing = false;
   }
 
   /** Play from here, or from the start if this is the end. */
   toggle(): void {
     this.playing = !this.playing;
-    if (this.playing && this.time >= this.frames) this.time = 0;
+    if (this.playing && this.time >= this.frames && !this.film.grows) this.time = 0;
   }
 
   /** Go to a time in frames and stay there. */

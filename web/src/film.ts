@@ -17,6 +17,10 @@ export class Film {
     for (const target of this.targets) target.setSize(width, height);
   }
 
+  dispose(): void {
+    for (const target of this.targets) target.dispose();
+  }
+
   /** Show the mean of the pictures from number 0 to this one. */
   show(radiances: Texture, picture: number): void {
     const [before, after] = picture % 2 === 0 ? this.targets : ([this.targets[1], this.targets[0]] as const);

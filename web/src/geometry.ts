@@ -2,30 +2,55 @@
 // in.
 import { BufferAttribute, BufferGeometry, DataTexture, FloatType, RGBAFormat } from "three";
 import { TEXELS } from "./poses";
-import type { Recording } from "./recording";
+import type { Footage } from "./recording";
 import { TABLE_WIDTH } from "./shaders/place";
 
 /** What each kind of grain is for the shaders. */
 const GRAINS = ["", "wood", "concrete"];
 
-export interface Geometries {
-  solid: BufferGeometry;
-  /** What lets light pass; `null` without any. */
-  glass: BufferGeometry | null;
-  /** Whether corners have a place in an image, and a colour. */
-  skinned: boolean;
+/** One solid and one clear surface, whatever the number of bodies. */
+export class Geometries {
+  readonly solid = new BufferGeometry();
+  /** What lets light pass. */
+  readonly glass = new BufferGeometry();
+  hasGlass = false;
+
+  /** `skinned` says whether corners have a place in an image, and a colour. */
+  constructor(readonly skinned: boolean) {}
+
+  /** Take in all bodies. */
+  fill(footage: Footage): void {
+    const merged = mergeBodies(footage, this.skinned);
+    this.hasGlass = merged.glass.length > 0;
+    for (const [geometry, indices] of [[this.solid, merged.solid], [this.glass, merged.glass]] as const) {
+      // What the driver has of the bodies before is let go.
+      geometry.dispose();
+      for (const [name, attribute] of Object.entries(merged.attributes)) geometry.setAttribute(name, attribute);
+      geometry.setIndex(new BufferAttribute(new Uint32Array(indices), 1));
+    }
+  }
 }
 
-/** One solid and one clear surface, whatever the number of bodies. */
-export function mergeBodies({ bodies, meshes, materials }: Recording): Geometries {
+/** True if a mesh's file gives its corners places in images, or colours. */
+export function isSkinned({ meshes }: Footage): boolean {
+  return meshes.some((mesh) => mesh.places !== null || mesh.colours !== null);
+}
+
+interface Merged {
+  attributes: Record<string, BufferAttribute>;
+  /** Corners of triangles, three each. */
+  solid: number[];
+  glass: number[];
+}
+
+/** All corners of all bodies. */
+function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean): Merged {
   const count = bodies.reduce((sum, body) => sum + meshes[body.mesh]!.slots.length, 0);
   const positions = new Float32Array(3 * count);
   const normals = new Int16Array(4 * count);
   const ids = new Uint32Array(2 * count);
   const solid: number[] = [];
   const glass: number[] = [];
-  // Only what a mesh's file says has images or colours of its corners.
-  const skinned = meshes.some((mesh) => mesh.places !== null || mesh.colours !== null);
   const places = skinned ? new Float32Array(2 * count) : null;
   const colours = skinned ? new Uint8Array(4 * count).fill(255) : null;
   let first = 0;
@@ -57,12 +82,7 @@ export function mergeBodies({ bodies, meshes, materials }: Recording): Geometrie
     attributes["place"] = new BufferAttribute(places, 2);
     attributes["cornerColour"] = new BufferAttribute(colours, 4, true);
   }
-  const geometry = (indices: number[]): BufferGeometry => {
-    const made = new BufferGeometry();
-    for (const [name, attribute] of Object.entries(attributes)) made.setAttribute(name, attribute);
-    return made.setIndex(new BufferAttribute(new Uint32Array(indices), 1));
-  };
-  return { solid: geometry(solid), glass: glass.length > 0 ? geometry(glass) : null, skinned };
+  return { attributes, solid, glass };
 }
 
 /** A texture of single-precision numbers, four to a texel. */
@@ -79,7 +99,7 @@ export function numbers(texture: DataTexture): Float32Array {
 }
 
 /** Tint and grain of every body. */
-export function pieceTable({ bodies }: Recording): DataTexture {
+export function pieceTable({ bodies }: Footage): DataTexture {
   const texture = table(TEXELS * bodies.length);
   bodies.forEach((body, row) => numbers(texture).set([...body.tint, 0, ...body.grain], 4 * TEXELS * row));
   return texture;
@@ -90,7 +110,7 @@ export function pieceTable({ bodies }: Recording): DataTexture {
  * its image; what it shines with, and its cutoff, or 2 where opacity lets light through; roughness
  * and the other images.
  */
-export function materialTable({ materials }: Recording): DataTexture {
+export function materialTable({ materials }: Footage): DataTexture {
   const texture = table(4 * materials.length);
   materials.forEach((material, row) => {
     const grain = Math.max(GRAINS.indexOf(material.grain), 0);

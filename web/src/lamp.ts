@@ -34,7 +34,6 @@ export class Lamp {
       side: DoubleSide,
     });
     for (const geometry of [geometries.solid, geometries.glass]) {
-      if (geometry === null) continue;
       const target = new WebGLRenderTarget(TEXELS, TEXELS, { depthTexture: depthTexture(TEXELS, TEXELS) });
       const scene = new Scene();
       const mesh = new Mesh(geometry, material);
@@ -42,7 +41,6 @@ export class Lamp {
       scene.add(mesh);
       this.maps.push({ target, scene });
     }
-    uniforms.hasGlass.value = geometries.glass !== null;
     uniforms.lampDepth.value = this.maps[0]!.target.depthTexture;
     uniforms.glassDepth.value = this.maps.at(-1)!.target.depthTexture;
   }
@@ -58,11 +56,15 @@ export class Lamp {
     this.camera.updateProjectionMatrix();
     uniforms.lampMatrix.value.copy(this.onTexels(new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse)));
     uniforms.lampReach.value.set(reach, 2 * depth, (2 * reach) / TEXELS);
-    for (const { target: map, scene } of this.maps) {
+    for (const { target: map, scene } of uniforms.hasGlass.value ? this.maps : this.maps.slice(0, 1)) {
       renderer.setRenderTarget(map);
       renderer.clear();
       renderer.render(scene, this.camera);
     }
+  }
+
+  dispose(): void {
+    for (const { target } of this.maps) target.dispose();
   }
 
   /** The matrix, moved by less than a texel, so that shadows do not crawl when the camera moves. */

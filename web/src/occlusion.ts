@@ -44,6 +44,10 @@ export class Occlusion {
     for (const target of [this.surfaces, this.rough, this.smooth]) target.setSize(Math.ceil(width / 2), Math.ceil(height / 2));
   }
 
+  dispose(): void {
+    for (const target of [this.surfaces, this.rough, this.smooth]) target.dispose();
+  }
+
   draw(camera: Camera): void {
     this.renderer.setRenderTarget(this.surfaces);
     this.renderer.clear();

@@ -21,7 +21,7 @@ export class Panel {
   private readonly breaks;
 
   constructor(private readonly player: Player) {
-    const { recording, clock } = player;
+    const { footage: recording, clock } = player;
     this.breaks = breaks(recording);
     element("shot").textContent = recording.shot || "Recording";
     const timeline = input("timeline");
@@ -61,7 +61,7 @@ export class Panel {
 
   /** Say what is drawn. */
   show(): void {
-    const { clock, recording } = this.player;
+    const { clock, footage: recording } = this.player;
     const alive = countAlive(recording, clock.frame);
     const settings = [
       ["frame", `frame ${clock.frame} of ${recording.frames}`],
@@ -100,7 +100,7 @@ export class Panel {
   }
 
   private keys(): Record<string, (shift: boolean) => void> {
-    const { clock, recording } = this.player;
+    const { clock, footage: recording } = this.player;
     return {
       " ": () => clock.toggle(),
       ArrowLeft: () => clock.step(-1),

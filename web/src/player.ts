@@ -2,7 +2,7 @@
 import { type DataArrayTexture, MOUSE, PerspectiveCamera, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Clock } from "./clock";
-import type { Recording } from "./recording";
+import type { Footage } from "./recording";
 import { type Quality, Stage } from "./stage";
 
 /** Width over height that the first view was made for: a narrower window sees as far to the sides. */
@@ -23,15 +23,18 @@ const BEST = 0;
 export type OnLost = () => void;
 
 export class Player {
-  readonly clock: Clock;
+  clock!: Clock;
+  footage!: Footage;
   /** By how much pieces are pulled apart. */
   explode = 0;
   /** Called after every picture. */
   onDraw: (settled: boolean) => void = () => {};
+  /** Called before every picture that may be drawn. */
+  onUpdate: () => void = () => {};
   private readonly renderer: WebGLRenderer;
-  private readonly camera: PerspectiveCamera;
+  readonly camera: PerspectiveCamera;
   private readonly orbit: OrbitControls;
-  private readonly stage: Stage;
+  private stage: Stage | null = null;
   private level = BEST;
   private durations: number[] = [];
   private picture = 0;
@@ -42,32 +45,46 @@ export class Player {
   private state = "";
 
   constructor(
-    readonly recording: Recording,
-    images: DataArrayTexture,
+    footage: Footage,
+    private readonly images: DataArrayTexture,
     private readonly canvas: HTMLCanvasElement,
     onLost: OnLost,
   ) {
-    this.clock = new Clock(recording.frames, recording.fps);
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
     canvas.addEventListener("webglcontextlost", onLost);
 
-    // The stage's origin is what the first view looks at.
-    const { eye, target, fieldOfView } = recording.camera;
-    this.camera = new PerspectiveCamera(fieldOfView);
-    this.camera.position.fromArray(eye.map((part, axis) => part - target[axis]!));
-    this.camera.lookAt(new Vector3());
+    this.camera = new PerspectiveCamera(footage.camera.fieldOfView);
     this.orbit = new OrbitControls(this.camera, canvas);
     this.orbit.enableDamping = true;
     this.orbit.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
-    if (recording.bodies.some((body) => body.floor)) this.orbit.maxPolarAngle = 0.495 * Math.PI;
+    this.show(footage);
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  /** Play this from its start, seen from its first view. */
+  show(footage: Footage): void {
+    this.footage = footage;
+    this.clock = new Clock(footage);
+    // The stage's origin is what the first view looks at.
+    const { eye, target } = footage.camera;
+    this.camera.position.fromArray(eye.map((part, axis) => part - target[axis]!));
+    this.camera.lookAt(new Vector3());
+    this.orbit.target.set(0, 0, 0);
+    this.orbit.maxPolarAngle = footage.bodies.some((body) => body.floor) ? 0.495 * Math.PI : Math.PI;
     const distance = this.camera.position.length();
     this.orbit.minDistance = 0.02 * distance;
     this.orbit.maxDistance = 12 * distance;
     this.orbit.saveState();
-    this.stage = new Stage(this.renderer, recording, images, this.camera);
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.stage?.dispose();
+    this.stage = new Stage(this.renderer, footage, this.images, this.camera);
     this.resize();
+  }
+
+  /** Draw the bodies too that the footage did not have before. */
+  takeIn(): void {
+    this.stage?.takeIn();
+    this.state = "";
   }
 
   /** Go on for ever. */
@@ -92,6 +109,7 @@ export class Player {
   }
 
   private update(now: number): void {
+    this.onUpdate();
     // A tab that was in the background does not jump ahead.
     this.clock.advance(Math.min((now - this.last) / 1000, 0.25));
     const duration = now - this.last;
@@ -115,8 +133,8 @@ export class Player {
     this.camera.near = 0.01 * distance;
     this.camera.far = 100 * distance;
     this.camera.updateProjectionMatrix();
-    this.stage.pose(this.clock.time, this.explode);
-    this.stage.draw(this.camera, this.orbit.target, LEVELS[this.level]!, this.picture);
+    this.stage?.pose(this.clock.time, this.explode);
+    this.stage?.draw(this.camera, this.orbit.target, LEVELS[this.level]!, this.picture);
     this.picture++;
     this.onDraw(this.picture >= 4);
   }
@@ -140,10 +158,10 @@ export class Player {
     this.camera.aspect = width / height;
     const free = Math.max(height - this.covered, height / 4);
     const wider = Math.max(1, (ASPECT * free) / width) * (height / free);
-    const halfHeight = Math.tan((this.recording.camera.fieldOfView * Math.PI) / 360) * wider;
-    this.stage.raised = (0.5 * (height - free)) / height;
+    const halfHeight = Math.tan((this.footage.camera.fieldOfView * Math.PI) / 360) * wider;
+    if (this.stage !== null) this.stage.raised = (0.5 * (height - free)) / height;
     this.camera.fov = (Math.atan(halfHeight) * 360) / Math.PI;
-    this.stage.resize(this.canvas.width, this.canvas.height);
+    this.stage?.resize(this.canvas.width, this.canvas.height);
     this.state = "";
   }
 }

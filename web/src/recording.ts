@@ -1,4 +1,6 @@
 // A recording as the player draws it: materials, meshes, bodies and where they were at every frame.
+import type { Frames } from "./clock";
+import { fillPoses } from "./poses";
 import { Blob32 } from "./streams";
 
 /** The version of the data that this player reads. */
@@ -78,16 +80,23 @@ export interface Body {
   yields: boolean;
 }
 
-export interface Recording {
-  shot: string;
-  fps: number;
-  /** Last frame; frame 0 is the state before the first step. */
-  frames: number;
-  camera: { eye: [number, number, number]; target: [number, number, number]; fieldOfView: number };
-  materials: Material[];
+/** What is drawn, and where it is at a time. */
+export interface Footage extends Frames {
+  readonly shot: string;
+  readonly camera: { eye: [number, number, number]; target: [number, number, number]; fieldOfView: number };
+  readonly materials: Material[];
+  readonly meshes: Mesh[];
+  readonly bodies: Body[];
+  /**
+   * Fills (place, shown) and quaternions, eight numbers a body, for a time in frames, with pieces
+   * pulled apart so far; places are relative to an origin [m].
+   */
+  fill(time: number, explode: number, origin: readonly number[], into: Float32Array): void;
+}
+
+/** Footage from its beginning, frame 0 before the first step, to its end. */
+export interface Recording extends Footage {
   images: Image[];
-  meshes: Mesh[];
-  bodies: Body[];
   /** All poses: x, y, z as multiples of the step, and quaternions up to a factor. */
   positions: Int32Array[];
   orientations: Int32Array[];
@@ -107,10 +116,11 @@ export function readRecording(bytes: Uint8Array): Recording {
   const header = blob.header as unknown as Recording & { format: number; steps: Record<string, number> };
   if (header.format !== FORMAT) throw new Error(`the recording has format ${header.format}, and this player reads ${FORMAT}`);
   const step = (name: string): number => header.steps[name] ?? 1;
-  return {
+  const recording: Recording = {
     shot: header.shot,
     fps: header.fps,
     frames: header.frames,
+    grows: false,
     camera: header.camera,
     materials: header.materials,
     images: header.images,
@@ -119,20 +129,22 @@ export function readRecording(bytes: Uint8Array): Recording {
     positions: blob.columns("positions"),
     orientations: blob.columns("orientations"),
     positionStep: step("position"),
+    fill: (time, explode, origin, into) => fillPoses(recording, time, explode, origin, into),
   };
+  return recording;
 }
 
 /** The breaks, in order. */
-export function breaks(recording: Recording): Break[] {
+export function breaks(footage: Footage): Break[] {
   const pieces = new Map<number, number>();
-  for (const body of recording.bodies)
+  for (const body of footage.bodies)
     if (body.parent >= 0) pieces.set(body.birth, (pieces.get(body.birth) ?? 0) + 1);
   return [...pieces].map(([frame, count]) => ({ frame, pieces: count })).sort((a, b) => a.frame - b.frame);
 }
 
 /** How many bodies a frame shows. */
-export function countAlive(recording: Recording, frame: number): number {
-  return recording.bodies.filter((body) => body.birth <= frame && frame < body.end).length;
+export function countAlive(footage: Footage, frame: number): number {
+  return footage.bodies.filter((body) => body.birth <= frame && frame < body.end).length;
 }
 
 function readBodies(blob: Blob32, step: (name: string) => number): Body[] {

@@ -1,16 +1,16 @@
 // Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin
 // is the first target.
 import {
-  CustomBlending, type DataArrayTexture, type DataTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
+  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
   PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
   WebGLRenderTarget, ZeroFactor,
 } from "three";
 import { Film } from "./film";
-import { materialTable, mergeBodies, numbers, pieceTable, table } from "./geometry";
+import { Geometries, isSkinned, materialTable, numbers, pieceTable, table } from "./geometry";
 import { Lamp } from "./lamp";
 import { Occlusion } from "./occlusion";
-import { TEXELS, fillPoses } from "./poses";
-import type { Recording } from "./recording";
+import { TEXELS } from "./poses";
+import type { Footage } from "./recording";
 import { BACKDROP_FRAGMENT, FLOOR_FRAGMENT, FLOOR_VERTEX, SURFACE_FRAGMENT } from "./shaders/light";
 import { SURFACE_VERTEX } from "./shaders/place";
 import { SCREEN_VERTEX } from "./shaders/screen";
@@ -30,7 +30,8 @@ export class Stage {
   readonly uniforms: Uniforms;
   /** By how much of the height the target is drawn above the middle. */
   raised = 0;
-  private readonly poses: DataTexture;
+  private readonly geometries: Geometries;
+  private readonly glass: Mesh[] = [];
   private readonly scene = new Scene();
   private readonly lamp: Lamp;
   private readonly occlusion: Occlusion;
@@ -40,36 +41,64 @@ export class Stage {
 
   constructor(
     private readonly renderer: WebGLRenderer,
-    private readonly recording: Recording,
+    private readonly footage: Footage,
     images: DataArrayTexture,
     camera: PerspectiveCamera,
   ) {
-    this.poses = table(TEXELS * recording.bodies.length);
-    this.uniforms = makeUniforms(this.poses, pieceTable(recording), materialTable(recording), images);
-    const geometries = mergeBodies(recording);
-    const skinned: Record<string, string> = geometries.skinned ? { SKINNED: "" } : {};
+    this.uniforms = makeUniforms(table(1), table(1), table(1), images);
+    this.geometries = new Geometries(isSkinned(footage));
+    const skinned: Record<string, string> = this.geometries.skinned ? { SKINNED: "" } : {};
     const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion);
-    this.lamp = new Lamp(geometries, right, this.uniforms);
-    this.occlusion = new Occlusion(renderer, geometries.solid, this.uniforms);
+    this.lamp = new Lamp(this.geometries, right, this.uniforms);
+    this.occlusion = new Occlusion(renderer, this.geometries.solid, this.uniforms);
     this.film = new Film(renderer);
 
-    this.add(new Mesh(geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned })), 0);
-    recording.bodies.forEach((body, index) => body.floor && this.addFloor(index));
+    this.add(new Mesh(this.geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned })), 0);
     const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
     this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
 
     // Glass dims what lies behind it, then adds its own light: in which order panes are drawn makes
     // no difference.
-    if (geometries.glass !== null) {
-      const layers = [
-        { defines: { ...skinned, GLASS: 1 }, blendSrc: DstColorFactor, blendDst: ZeroFactor },
-        { defines: { ...skinned, GLASS: 2 }, blendSrc: OneFactor, blendDst: OneFactor },
-      ] as const;
-      layers.forEach((layer, index) => {
-        const rest = { ...layer, side: DoubleSide, depthWrite: false, blending: CustomBlending } as const;
-        this.add(new Mesh(geometries.glass!, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, rest)), 3 + index);
-      });
+    const layers = [
+      { defines: { ...skinned, GLASS: 1 }, blendSrc: DstColorFactor, blendDst: ZeroFactor },
+      { defines: { ...skinned, GLASS: 2 }, blendSrc: OneFactor, blendDst: OneFactor },
+    ] as const;
+    layers.forEach((layer, index) => {
+      const rest = { ...layer, side: DoubleSide, depthWrite: false, blending: CustomBlending } as const;
+      const mesh = new Mesh(this.geometries.glass, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, rest));
+      this.glass.push(mesh);
+      this.add(mesh, 3 + index);
+    });
+    this.takeIn();
+  }
+
+  /** Draw all bodies of the footage from now on, those too that are new. */
+  takeIn(): void {
+    const { footage, uniforms } = this;
+    this.geometries.fill(footage);
+    uniforms.hasGlass.value = this.geometries.hasGlass;
+    for (const mesh of this.glass) mesh.visible = this.geometries.hasGlass;
+    const tables = [
+      [uniforms.poses, table(TEXELS * footage.bodies.length)],
+      [uniforms.pieces, pieceTable(footage)],
+      [uniforms.materials, materialTable(footage)],
+    ] as const;
+    for (const [uniform, texture] of tables) {
+      uniform.value.dispose();
+      uniform.value = texture;
     }
+    footage.bodies.forEach((body, index) => {
+      if (body.floor && this.floors.every((floor) => floor.body !== index)) this.addFloor(index);
+    });
+  }
+
+  /** Let go of all that the driver holds. */
+  dispose(): void {
+    this.scene.traverse((object) => object instanceof Mesh && object.material.dispose());
+    this.geometries.solid.dispose();
+    this.geometries.glass.dispose();
+    for (const { value } of [this.uniforms.poses, this.uniforms.pieces, this.uniforms.materials]) value.dispose();
+    for (const part of [this.lamp, this.occlusion, this.film, this.target]) part.dispose();
   }
 
   /** Width and height in pixels. */
@@ -82,9 +111,9 @@ export class Stage {
 
   /** Move the bodies to a time in frames, pulled apart so far. */
   pose(time: number, explode: number): void {
-    const origin = this.recording.camera.target;
-    fillPoses(this.recording, time, explode, origin, numbers(this.poses));
-    this.poses.needsUpdate = true;
+    const poses = this.uniforms.poses.value;
+    this.footage.fill(time, explode, this.footage.camera.target, numbers(poses));
+    poses.needsUpdate = true;
   }
 
   /** Draw; of several pictures of the same, number them from 0, and each smooths those before. */
@@ -107,7 +136,7 @@ export class Stage {
     uniforms.reach.value = 0.09 * distance;
     uniforms.distance0.value = distance;
     uniforms.spacing.value = 10 ** Math.max(Math.ceil(Math.log10(distance / 30)), -6);
-    uniforms.gridOrigin.value.fromArray(this.recording.camera.target.map((part) => part % uniforms.spacing.value));
+    uniforms.gridOrigin.value.fromArray(this.footage.camera.target.map((part) => part % uniforms.spacing.value));
 
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
@@ -140,7 +169,7 @@ export class Stage {
 
   /** Half-spaces are shown around what the camera looks at. */
   private placeFloors(target: Vector3, distance: number): void {
-    const poses = numbers(this.poses);
+    const poses = numbers(this.uniforms.poses.value);
     for (const { mesh, body, matrix, normal } of this.floors) {
       const at = 4 * TEXELS * body;
       mesh.visible = poses[at + 3] === 1;

@@ -1,0 +1,274 @@
+// The playground: a world in the page, things that are thrown at it, and what comes of them.
+import { DataArrayTexture, Raycaster, Vector2, Vector3 } from "three";
+import { element } from "../panel";
+import { Player } from "../player";
+import { readMesh } from "./drop";
+import { LiveFootage } from "./live";
+import type { Order, Story, Told } from "./protocol";
+import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, sceneOf } from "./recipe";
+import { LONGEST, decode, encode } from "./share";
+import { ball } from "./simulator";
+
+/** The worker is ahead of the picture by at most so many frames: what is thrown is seen soon. */
+const AHEAD = 2;
+/** A press that moves further turns the view [CSS px]. */
+const STILL = 5;
+/** A first visit sees a ball on its way to the wall. */
+const FIRST_BALL = { radius: 0.18, from: [0.3, 0.9, 4.2], velocity: [-1, 1.2, -18] };
+
+const input = (id: string): HTMLInputElement => element(id) as HTMLInputElement;
+const select = (id: string): HTMLSelectElement => element(id) as HTMLSelectElement;
+
+class Playground {
+  private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+  private footage: LiveFootage | null = null;
+  private player: Player | null = null;
+  private fps = 60;
+  private story: Story = { scene: "", actions: [] };
+  private busy = 0;
+  private dropped: Dropped | null = null;
+  private throws = 0;
+  /** Whether the next frame is shown as soon as it is made. */
+  private stepping = false;
+  private durations: number[] = [];
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.worker.addEventListener("message", ({ data }: MessageEvent<Told>) => this.hear(data));
+    this.worker.addEventListener("error", () => say("The engine stopped: reset, or load the page again."));
+    this.fillMenus();
+    this.listen();
+  }
+
+  /** Begin with a story, and play it to a frame. */
+  tell(story: Story, frames = 0): void {
+    this.order({ kind: "build", story, frames });
+  }
+
+  /** Build what is chosen, and throw the first ball. */
+  reset(): void {
+    const scene = sceneOf(this.choice());
+    this.throws = 1;
+    const { radius, from, velocity } = FIRST_BALL;
+    this.tell({ scene, actions: [{ frame: 0, add: ball(radius, from, velocity, 1) }] });
+  }
+
+  private order(order: Order): void {
+    this.busy++;
+    this.worker.postMessage(order);
+  }
+
+  private hear(told: Told): void {
+    switch (told.kind) {
+      case "fault":
+        return say(told.sentence);
+      case "built":
+        say("");
+        this.footage = null;
+        this.fps = told.framesPerSecond;
+        return;
+      case "frame":
+        return this.take(told);
+      case "undone":
+        this.story = told.story;
+        this.footage?.cut(told.frame);
+        this.player?.takeIn();
+        this.player?.clock.seek(told.frame - 1);
+        if (this.player !== null) this.player.clock.playing = true;
+        return;
+      case "done":
+        this.busy--;
+        this.story = told.story;
+        document.documentElement.dataset["busy"] = String(this.busy);
+    }
+  }
+
+  private take({ state }: Told & { kind: "frame" }): void {
+    this.durations = [...this.durations.slice(-59), state.duration];
+    if (this.footage !== null) {
+      if (this.footage.append(state)) this.player?.takeIn();
+      if (this.stepping) this.player?.clock.step(1);
+      this.stepping = false;
+      return;
+    }
+    this.footage = new LiveFootage("", this.fps, state);
+    if (this.player === null) this.begin(this.footage);
+    else this.player.show(this.footage);
+    this.player!.clock.playing = true;
+  }
+
+  private begin(footage: LiveFootage): void {
+    const images = new DataArrayTexture(new Uint8Array(4).fill(255), 1, 1, 1);
+    images.needsUpdate = true;
+    this.player = new Player(footage, images, this.canvas, () => say("The graphics driver gave up on this page: load it again."));
+    this.player.onDraw = () => this.show();
+    this.player.onUpdate = () => this.goOn();
+    this.player.start();
+  }
+
+  /** Simulate ahead of what is shown. */
+  private goOn(): void {
+    const { player, footage } = this;
+    if (player === null || footage === null || this.busy > 0 || !player.clock.playing) return;
+    const missing = Math.ceil(player.clock.time) + AHEAD - footage.frames;
+    if (missing > 0) this.order({ kind: "step", frames: Math.min(missing, AHEAD) });
+  }
+
+  private show(): void {
+    const { player, footage } = this;
+    if (player === null || footage === null) return;
+    const { clock } = player;
+    const state = footage.state(clock.frame);
+    const median = [...this.durations].sort((a, b) => a - b)[this.durations.length >> 1] ?? 0;
+    element("frame").textContent = `frame ${clock.frame}`;
+    element("bodies").textContent = `${state.ids.length} bodies`;
+    element("step").textContent = `${median.toFixed(1)} ms a step`;
+    element("energy").textContent = `${(state.energy / 1000).toFixed(2)} kJ`;
+    input("timeline").max = String(footage.frames);
+    input("timeline").value = String(clock.time);
+    element("play").textContent = clock.playing ? "Pause" : "Play";
+    const data = document.documentElement.dataset;
+    [data["frame"], data["bodies"], data["hash"], data["frames"]] = [String(clock.frame), String(state.ids.length), state.hash, String(footage.frames)];
+  }
+
+  private choice(): Choice {
+    const shape = select("shape").value;
+    return {
+      shape: shape === "dropped" && this.dropped !== null ? this.dropped : shape,
+      material: select("material").value as MaterialName,
+      pattern: select("pattern").value,
+      pieces: Number(input("pieces").value),
+      strength: 10 ** Number(input("strength").value),
+    };
+  }
+
+  private fillMenus(): void {
+    const fill = (id: string, names: string[]): void => select(id).replaceChildren(...names.map((name) => new Option(name, name)));
+    fill("shape", Object.keys(SHAPES));
+    fill("material", MATERIALS.filter((name) => name !== "steel"));
+    fill("pattern", Object.keys(PATTERNS));
+  }
+
+  private listen(): void {
+    for (const id of ["shape", "material", "pattern", "pieces", "strength"]) element(id).addEventListener("change", () => this.reset());
+    element("reset").addEventListener("click", () => this.reset());
+    element("undo").addEventListener("click", () => this.order({ kind: "undo" }));
+    element("play").addEventListener("click", () => this.player?.clock.toggle());
+    element("forth").addEventListener("click", () => this.stepOnce());
+    element("throw").addEventListener("click", () => this.throwAt(new Vector2()));
+    element("share").addEventListener("click", () => void this.share());
+    select("speed").addEventListener("change", () => this.player && (this.player.clock.speed = Number(select("speed").value)));
+    input("explode").addEventListener("input", () => this.player && (this.player.explode = Number(input("explode").value)));
+    input("timeline").addEventListener("input", () => this.player?.clock.seek(Number(input("timeline").value)));
+    input("file").addEventListener("change", () => void this.drop(input("file").files));
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      void this.drop(event.dataTransfer?.files ?? null);
+    });
+    addEventListener("keydown", (event) => this.key(event));
+    this.listenToPointer();
+  }
+
+  /** A press that does not turn the view throws a ball. */
+  private listenToPointer(): void {
+    let down: { x: number; y: number } | null = null;
+    this.canvas.addEventListener("pointerdown", (event) => (down = event.button === 0 && event.isPrimary ? { x: event.clientX, y: event.clientY } : null));
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (down === null || Math.hypot(event.clientX - down.x, event.clientY - down.y) > STILL) return;
+      const { left, top, width, height } = this.canvas.getBoundingClientRect();
+      this.throwAt(new Vector2((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height));
+    });
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (event.target instanceof HTMLElement && event.target.matches("select, input, button")) return;
+    const keys: Record<string, () => void> = {
+      " ": () => this.player?.clock.toggle(),
+      Enter: () => this.throwAt(new Vector2()),
+      ArrowRight: () => this.stepOnce(),
+      u: () => this.order({ kind: "undo" }),
+      r: () => this.reset(),
+    };
+    const action = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (action === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    action();
+  }
+
+  private stepOnce(): void {
+    const { player, footage } = this;
+    if (player === null || footage === null) return;
+    if (player.clock.frame < footage.frames) return player.clock.step(1);
+    player.clock.playing = false;
+    this.stepping = true;
+    if (this.busy === 0) this.order({ kind: "step", frames: 1 });
+  }
+
+  /** Throw a ball from the eye through a place of the picture, from (-1, -1) to (1, 1). */
+  private throwAt(place: Vector2): void {
+    const { player, footage } = this;
+    if (player === null || footage === null) return;
+    const ray = new Raycaster();
+    ray.setFromCamera(place, player.camera);
+    const radius = input("radius").valueAsNumber;
+    const origin = ray.ray.origin.clone().add(new Vector3().fromArray(footage.camera.target));
+    // It starts nearer than the eye, or a far view waits for it.
+    const from = origin.addScaledVector(ray.ray.direction, Math.max(0, player.camera.position.length() - 4 * footage.size));
+    const velocity = ray.ray.direction.clone().multiplyScalar(input("velocity").valueAsNumber);
+    this.throws++;
+    this.order({ kind: "add", body: ball(radius, from.toArray(), velocity.toArray(), this.throws) });
+    if (!player.clock.playing) player.clock.seek(footage.frames);
+    player.clock.playing = true;
+  }
+
+  private async share(): Promise<void> {
+    const frames = this.footage?.frames ?? 0;
+    const text = await encode(this.story);
+    if (text.length > LONGEST) return say("This world is too long for a link: a dropped mesh must have fewer triangles.");
+    const link = `${location.href.split("#")[0]}#frames=${frames}&story=${text}`;
+    history.replaceState(null, "", link);
+    await navigator.clipboard?.writeText(link).catch(() => {});
+    document.documentElement.dataset["shared"] = String(frames);
+    say("The link to this world is in the address, and on the clipboard.", 4000);
+  }
+
+  private async drop(files: FileList | null): Promise<void> {
+    const file = files?.[0];
+    if (file === undefined) return;
+    try {
+      this.dropped = await readMesh(file.name, await file.arrayBuffer());
+    } catch (error) {
+      return say(`${file.name}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+    const menu = select("shape");
+    if (menu.querySelector('[value="dropped"]') === null) menu.append(new Option("", "dropped"));
+    menu.querySelector('[value="dropped"]')!.textContent = file.name;
+    menu.value = "dropped";
+    this.reset();
+  }
+}
+
+let silence = 0;
+
+/** Say something, for a while or until the next sentence; nothing says nothing. */
+function say(sentence: string, milliseconds = 0): void {
+  clearTimeout(silence);
+  element("message").textContent = sentence;
+  element("message").hidden = sentence === "";
+  if (milliseconds > 0) silence = setTimeout(() => say(""), milliseconds) as unknown as number;
+}
+
+async function main(): Promise<void> {
+  const playground = new Playground(element("view") as HTMLCanvasElement);
+  const asked = new URLSearchParams(location.hash.slice(1));
+  const story = asked.get("story");
+  if (story === null) return playground.reset();
+  const told = await decode(story).catch(() => null);
+  if (told === null) {
+    say("The link is damaged: here is a wall instead.", 4000);
+    return playground.reset();
+  }
+  playground.tell(told, Math.min(Math.max(Number(asked.get("frames")) || 0, 0), 3600));
+}
+
+void main();

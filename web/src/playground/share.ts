@@ -1,0 +1,36 @@
+// A story as text for a link, and back: what reads it ends in the same bits.
+import type { Story } from "./protocol";
+
+/** A longer link is refused by some of the programs that links go through [characters]. */
+export const LONGEST = 60_000;
+
+/** Deflated JSON in base64 with characters that links may have. */
+export async function encode(story: Story): Promise<string> {
+  const bytes = new TextEncoder().encode(JSON.stringify(story));
+  const packed = await through(bytes, new CompressionStream("deflate-raw"));
+  let text = "";
+  for (const byte of packed) text += String.fromCharCode(byte);
+  return btoa(text).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+}
+
+/** Throws for text that is no story. */
+export async function decode(text: string): Promise<Story> {
+  const packed = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (part) => part.charCodeAt(0));
+  const story: unknown = JSON.parse(new TextDecoder().decode(await through(packed, new DecompressionStream("deflate-raw"))));
+  if (!isStory(story)) throw new Error("no story");
+  return story;
+}
+
+function isStory(value: unknown): value is Story {
+  const { scene, actions } = (value ?? {}) as Partial<Story>;
+  return typeof scene === "string" && Array.isArray(actions) && actions.every(isAction);
+}
+
+function isAction(value: unknown): boolean {
+  const { frame, add } = (value ?? {}) as { frame?: unknown; add?: unknown };
+  return Number.isSafeInteger(frame) && (frame as number) >= 0 && typeof add === "object" && add !== null;
+}
+
+async function through(bytes: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array> {
+  return new Uint8Array(await new Response(new Response(bytes).body!.pipeThrough(stream)).arrayBuffer());
+}
