@@ -86,7 +86,7 @@ test("pieces are pulled apart, and what did not break is not", () => {
 });
 
 test("the clock stops at the end, and plays anew from the start", () => {
-  const clock = new Clock(60, 30);
+  const clock = new Clock({ frames: 60, fps: 30, grows: false });
   clock.toggle();
   clock.speed = 0.5;
   clock.advance(1);
@@ -98,7 +98,7 @@ test("the clock stops at the end, and plays anew from the start", () => {
 });
 
 test("steps go to whole frames and stay within the recording", () => {
-  const clock = new Clock(60, 30);
+  const clock = new Clock({ frames: 60, fps: 30, grows: false });
   clock.seek(3.4);
   clock.step(1);
   assert.equal(clock.time, 4);
@@ -110,4 +110,15 @@ test("steps go to whole frames and stay within the recording", () => {
     clock.step(by);
     assert.equal(clock.time, to);
   }
+});
+
+test("a clock waits at the end of what grows", () => {
+  const film = { frames: 2, fps: 30, grows: true };
+  const clock = new Clock(film);
+  clock.toggle();
+  clock.advance(1);
+  assert.deepEqual([clock.time, clock.playing], [2, true]);
+  film.frames = 60;
+  clock.advance(0.1);
+  assert.equal(clock.time, 5);
 });

@@ -14,7 +14,7 @@ use frangible_shots::{Shot, ShotOptions};
 use std::fmt::Write;
 
 /// Frames of each shot.
-const FRAMES: u32 = 300;
+const FRAMES: u32 = 120;
 
 /// Balls, boxes, pieces of boxes, heaps, what breaks on the grid, and as many bodies as threads are
 /// worth while for.
@@ -77,17 +77,36 @@ fn a_heap_in_halves_ends_in_the_same_state() {
     assert_eq!(after(&heap, 24, Width::Sse2, 2).state_hash(), alone.state_hash(), "with SSE2");
 }
 
+/// What the playground simulates from a link is what this engine does.
+#[test]
+fn a_story_of_the_playground_ends_in_its_recorded_state() {
+    let story: serde_json::Value =
+        serde_json::from_str(include_str!("../../../web/test/story.json")).unwrap();
+    let mut world = World::build(&SceneDesc::from_json(story["scene"].as_str().unwrap()).unwrap()).unwrap();
+    let actions = story["actions"].as_array().unwrap();
+    for frame in 0..story["frames"].as_u64().unwrap() {
+        for action in actions.iter().filter(|action| action["frame"] == frame) {
+            world.add_body(&frangible::read(action["add"].clone(), "add").unwrap()).unwrap();
+        }
+        step(&mut world);
+    }
+    assert!(world.bodies().len() > 20);
+    let told = "web/test/story.json has another hash than";
+    assert_eq!(story["hash"], format!("{:016x}", world.state_hash()), "{told}");
+}
+
 /// The same bodies sleep in the same frames.
 #[test]
 fn a_heap_that_may_sleep_ends_in_the_same_state() {
+    const SLEEPING: u32 = 300;
     let mut heap = scene("pile-spread");
     heap.bodies.truncate(1000);
     heap.sleep = true;
-    let alone = after(&heap, FRAMES, Width::Avx512, 1);
+    let alone = after(&heap, SLEEPING, Width::Avx512, 1);
     let asleep = alone.bodies().ids.iter().filter(|&&id| alone.is_asleep(id)).count();
     assert!(asleep > 100 && asleep < alone.bodies().len(), "{asleep}");
     for (width, threads) in [(Width::Sse2, 2), (Width::Scalar, 3), (Width::Avx2, 8)] {
-        let same = after(&heap, FRAMES, width, threads);
+        let same = after(&heap, SLEEPING, width, threads);
         assert_eq!(same.state_hash(), alone.state_hash(), "with {width:?} on {threads} threads");
     }
 }

@@ -30,17 +30,23 @@ class Playground {
   private throws = 0;
   /** Whether the next frame is shown as soon as it is made. */
   private stepping = false;
+  /** The frame that is shown once all of a link is simulated. */
+  private opening: number | null = null;
   private durations: number[] = [];
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.worker.addEventListener("message", ({ data }: MessageEvent<Told>) => this.hear(data));
     this.worker.addEventListener("error", () => say("The engine stopped: reset, or load the page again."));
     this.fillMenus();
+    // A small window is for the world.
+    (element("recipe") as HTMLDetailsElement).open = innerWidth > 640;
     this.listen();
   }
 
-  /** Begin with a story, and play it to a frame. */
-  tell(story: Story, frames = 0): void {
+  /** Begin with a story, and stop at a frame of it. */
+  open(story: Story, frames: number): void {
+    this.opening = frames;
+    this.throws = story.actions.length;
     this.order({ kind: "build", story, frames });
   }
 
@@ -49,7 +55,8 @@ class Playground {
     const scene = sceneOf(this.choice());
     this.throws = 1;
     const { radius, from, velocity } = FIRST_BALL;
-    this.tell({ scene, actions: [{ frame: 0, add: ball(radius, from, velocity, 1) }] });
+    const story = { scene, actions: [{ frame: 0, add: ball(radius, from, velocity, 1) }] };
+    this.order({ kind: "build", story, frames: 0 });
   }
 
   private order(order: Order): void {
@@ -78,6 +85,8 @@ class Playground {
       case "done":
         this.busy--;
         this.story = told.story;
+        if (this.opening !== null) this.player?.clock.seek(this.opening);
+        this.opening = null;
         document.documentElement.dataset["busy"] = String(this.busy);
     }
   }
@@ -93,7 +102,7 @@ class Playground {
     this.footage = new LiveFootage("", this.fps, state);
     if (this.player === null) this.begin(this.footage);
     else this.player.show(this.footage);
-    this.player!.clock.playing = true;
+    this.player!.clock.playing = this.opening === null;
   }
 
   private begin(footage: LiveFootage): void {
@@ -268,7 +277,7 @@ async function main(): Promise<void> {
     say("The link is damaged: here is a wall instead.", 4000);
     return playground.reset();
   }
-  playground.tell(told, Math.min(Math.max(Number(asked.get("frames")) || 0, 0), 3600));
+  playground.open(told, Math.min(Math.max(Number(asked.get("frames")) || 0, 0), 3600));
 }
 
 void main();

@@ -1,0 +1,173 @@
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { before, test } from "node:test";
+import { LiveFootage, MATERIALS, PATTERNS, SHAPES, Simulator, World, ball, decode, encode, sceneOf, shaded, shotScene } from "../dist/playground.mjs";
+import { load } from "./engine.mjs";
+
+before(load);
+
+const read = (path) => readFile(new URL(path, import.meta.url), "utf8");
+
+/** What a simulator tells. */
+function listener() {
+  const told = [];
+  const simulator = new Simulator((word) => told.push(word));
+  const states = () => told.filter(({ kind }) => kind === "frame").map(({ state }) => state);
+  const faults = () => told.filter(({ kind }) => kind === "fault").map(({ sentence }) => sentence);
+  return { told, simulator, states, faults, last: () => states().at(-1) };
+}
+
+const CHOICE = { shape: "wall", material: "concrete", pattern: "Voronoi cells", pieces: 20, strength: 1 };
+const STORY = { scene: sceneOf(CHOICE), actions: [{ frame: 0, add: ball(0.2, [0, 0.9, 2], [0, 0, -20], 1) }] };
+
+test("shots end in the states that the native engine ends in", async () => {
+  for (const line of (await read("../../crates/shots/tests/same_bits.txt")).trim().split("\n")) {
+    const [shot, expected] = line.split(" ");
+    const world = new World(shotScene(shot));
+    for (let frame = 0; frame < 120; frame++) world.step();
+    assert.equal(world.stateHash(), expected, shot);
+    world.free();
+  }
+});
+
+test("a story ends in the state that the native engine ends in", async () => {
+  const { frames, hash, ...story } = JSON.parse(await read("story.json"));
+  const { simulator, last, faults } = listener();
+  simulator.obey({ kind: "build", story, frames });
+  assert.deepEqual(faults(), []);
+  assert.deepEqual([last().frame, last().hash], [frames, hash]);
+});
+
+test("a story that was played with ends in the same state when it is told again", async () => {
+  const played = listener();
+  played.simulator.obey({ kind: "build", story: STORY, frames: 0 });
+  played.simulator.obey({ kind: "step", frames: 12 });
+  played.simulator.obey({ kind: "add", body: ball(0.1, [0.5, 1, 2], [0, 0, -25], 2) });
+  played.simulator.obey({ kind: "step", frames: 20 });
+  assert.deepEqual(played.faults(), []);
+  assert.ok(played.last().ids.length > 10, "the wall is whole");
+
+  const story = await decode(await encode(played.told.at(-1).story));
+  const again = listener();
+  again.simulator.obey({ kind: "build", story, frames: 32 });
+  assert.equal(again.last().hash, played.last().hash);
+});
+
+test("what is undone has not happened", () => {
+  const { simulator, told, last, states } = listener();
+  simulator.obey({ kind: "build", story: STORY, frames: 5 });
+  const { hash, frame } = last();
+  simulator.obey({ kind: "add", body: ball(0.1, [0, 1, 1], [0, 0, -25], 2) });
+  simulator.obey({ kind: "step", frames: 10 });
+  const changed = last().hash;
+  simulator.obey({ kind: "undo" });
+  assert.equal(told.at(-2).frame, frame + 1);
+  simulator.obey({ kind: "step", frames: 10 });
+  const plain = listener();
+  plain.simulator.obey({ kind: "build", story: STORY, frames: 15 });
+  assert.equal(last().hash, plain.last().hash);
+  assert.notEqual(last().hash, changed);
+  assert.ok(states().some((state) => state.hash === hash));
+  // Pieces that are made anew are told anew.
+  const born = new Set(plain.states().flatMap((state) => state.born.map(({ id }) => id)));
+  const toldBorn = states().slice(-10).flatMap((state) => state.born.map(({ id }) => id));
+  for (const id of last().ids) assert.ok(born.has(id));
+  assert.ok(toldBorn.length >= last().ids.length - 4);
+});
+
+test("faults are sentences", () => {
+  const { simulator, faults } = listener();
+  simulator.obey({ kind: "step", frames: 1 });
+  simulator.obey({ kind: "build", story: { scene: '{"bodies": [{"shape": {"kind": "sphere", "radius": -1}}]}', actions: [] }, frames: 1 });
+  simulator.obey({ kind: "build", story: STORY, frames: 1 });
+  simulator.obey({ kind: "add", body: { shape: { kind: "sphere" } } });
+  assert.equal(faults()[0], "nothing is built yet");
+  assert.match(faults()[1], /^bodies\[0\]\.shape\.radius: -1/);
+  assert.match(faults()[2], /^body\.shape/);
+  assert.equal(faults().length, 3);
+});
+
+test("every choice of the menus breaks", () => {
+  const choices = [
+    ...Object.keys(SHAPES).map((shape) => ({ ...CHOICE, shape })),
+    ...MATERIALS.filter((name) => name !== "steel").map((material) => ({ ...CHOICE, material, shape: "cube" })),
+    ...Object.keys(PATTERNS).map((pattern) => ({ ...CHOICE, pattern, shape: "cube" })),
+  ];
+  for (const choice of choices) {
+    const { simulator, last, faults } = listener();
+    const actions = [{ frame: 0, add: ball(0.2, [0, 0.7, 1.6], [0, 0, -40], 1) }];
+    simulator.obey({ kind: "build", story: { scene: sceneOf({ ...choice, strength: 0.1 }), actions }, frames: 8 });
+    assert.deepEqual(faults(), []);
+    assert.ok(last().ids.length > 4, `${JSON.stringify(choice)}: ${last().ids.length} bodies`);
+  }
+});
+
+test("a dropped mesh stands on the ground, and breaks", () => {
+  const mesh = new World(JSON.stringify({ bodies: [{ shape: { kind: "cylinder", radius: 3, height: 9 } }] })).surface(0);
+  const rows = (flat) => Array.from({ length: flat.length / 3 }, (_, i) => [...flat.subarray(3 * i, 3 * i + 3)]);
+  const shape = { name: "own", positions: rows(mesh.positions()), triangles: rows(mesh.triangles()) };
+  const { simulator, last, faults } = listener();
+  simulator.obey({ kind: "build", story: { scene: sceneOf({ ...CHOICE, shape }), actions: [] }, frames: 10 });
+  assert.deepEqual(faults(), []);
+  assert.ok(Math.abs(last().poses[8] - 0.75) < 0.01, `its middle stands at ${last().poses[8]} m`);
+  simulator.obey({ kind: "add", body: ball(0.2, [0, 0.8, 1], [0, 0, -40], 1) });
+  simulator.obey({ kind: "step", frames: 6 });
+  assert.ok(last().ids.length > 10);
+});
+
+test("a strength of the menu is the table's", () => {
+  for (const material of ["concrete", "glass", "brick", "wood", "ice"]) {
+    const hashes = [1, 1 + 1e-16].map((strength) => {
+      const scene = JSON.parse(sceneOf({ ...CHOICE, material, shape: "cube", strength: 2 }));
+      const breaking = scene.bodies[1].breaking;
+      // The table's own numbers, written out, or by name.
+      breaking.strength = strength === 1 ? material : { ...breaking.strength, tensile_strength: breaking.strength.tensile_strength / 2 };
+      const { simulator, last } = listener();
+      const actions = [{ frame: 0, add: ball(0.2, [0, 0.7, 1.2], [0, 0, -40], 1) }];
+      simulator.obey({ kind: "build", story: { scene: JSON.stringify(scene), actions }, frames: 5 });
+      return last().hash;
+    });
+    assert.equal(hashes[0], hashes[1], material);
+  }
+});
+
+test("normals are sharp at edges and smooth on curves", () => {
+  const world = new World(JSON.stringify({ bodies: [{ shape: { kind: "box", size: [1, 2, 3] } }, { shape: { kind: "sphere", radius: 2 }, position: [9, 0, 0] }] }));
+  const [box, round] = [0, 1].map((id) => {
+    const surface = world.surface(id);
+    return shaded(surface.positions(), surface.triangles(), surface.interior());
+  });
+  assert.equal(box.slots.length, 24);
+  for (const part of box.normals) assert.ok([0, 1].includes(Math.abs(part)));
+  for (let i = 0; i < round.positions.length; i++) assert.ok(Math.abs(round.positions[i] / 2 - round.normals[i]) < 0.05);
+});
+
+test("footage shows each frame as the world told it, and forgets what is undone", () => {
+  const { simulator, states } = listener();
+  simulator.obey({ kind: "build", story: STORY, frames: 12 });
+  const [first, ...rest] = states();
+  const footage = new LiveFootage("", 60, first);
+  for (const state of rest) footage.append(state);
+  const fill = (time) => {
+    const into = new Float32Array(8 * footage.bodies.length);
+    footage.fill(time, 0, [0, 0, 0], into);
+    return into;
+  };
+  const shown = (into) => footage.bodies.filter((_, row) => into[8 * row + 3] === 1).map(({ id }) => id);
+  for (const state of states()) assert.deepEqual(shown(fill(state.frame)).sort(), [...state.ids].sort());
+  const ball = footage.bodies.findIndex(({ name }) => name === "ball 1");
+  const z = [1, 1.5, 2].map((time) => fill(time)[8 * ball + 2]);
+  assert.ok(Math.abs(z[1] - 0.5 * (z[0] + z[2])) < 1e-5);
+  const count = footage.bodies.length;
+  footage.cut(3);
+  assert.equal(footage.frames, 2);
+  assert.ok(footage.bodies.length < count);
+  for (const state of rest.slice(2)) footage.append(state);
+  assert.equal(footage.bodies.length, count);
+});
+
+test("a damaged link is refused", async () => {
+  const text = await encode(STORY);
+  for (const bad of [text.slice(0, -9), "", "%%%", await encode({ scene: 3, actions: [] }), await encode({ scene: "{}", actions: [{ frame: -1, add: {} }] })])
+    await assert.rejects(decode(bad));
+});

@@ -1,0 +1,139 @@
+// The page to break things in, in headless Chromium, as a visitor has it.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { mkdir, readFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
+import { extname, join } from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+import { encode } from "../dist/playground.mjs";
+
+const CHROMIUM = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
+const FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-background-networking"];
+const PAGE = fileURLToPath(new URL("../dist/playground", import.meta.url));
+/** Pictures that were taken, to be looked at. */
+const PICTURES = fileURLToPath(new URL("../../out/playground", import.meta.url));
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+const skip = existsSync(CHROMIUM) ? false : "Chromium is not installed";
+
+let browser;
+let server;
+let address;
+/** What the pages asked for. */
+const asked = [];
+
+before(async () => {
+  if (skip) return;
+  server = createServer(async (request, response) => {
+    const path = new URL(request.url, "http://local").pathname;
+    asked.push(path);
+    try {
+      const content = await readFile(join(PAGE, path));
+      response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "text/plain" }).end(content);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  address = `http://127.0.0.1:${server.address().port}/playground.html`;
+  const require = createRequire(new URL("../../tests/tools/", import.meta.url));
+  browser = await require("playwright-core").chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
+  await mkdir(PICTURES, { recursive: true });
+});
+
+after(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+/** A page of its own, whose faults fail the test. */
+async function open(hash = "") {
+  const page = await browser.newPage({ viewport: { width: 640, height: 400 } });
+  page.faults = [];
+  page.on("pageerror", (error) => page.faults.push(error.message));
+  page.on("console", (message) => message.type() === "error" && page.faults.push(message.text()));
+  page.on("request", (request) => {
+    if (!/^(data|blob):/.test(request.url())) assert.ok(request.url().startsWith(address.replace(/\/[^/]*$/, "/")), request.url());
+  });
+  await page.goto(address + hash);
+  return page;
+}
+
+/** Waits until what the page says of itself fulfils a condition, and returns it. */
+async function until(page, condition) {
+  for (let tries = 0; tries < 2400; tries++) {
+    const found = await data(page);
+    if (condition(found)) return found;
+    await page.waitForTimeout(50);
+  }
+  throw new Error(`${condition}: ${JSON.stringify(await data(page))}, ${page.faults}`);
+}
+
+const data = (page) => page.evaluate(() => ({ ...document.documentElement.dataset }));
+
+test("a visitor sees a wall that breaks, throws a ball, undoes it, and shares the world", { skip, timeout: 400_000 }, async () => {
+  const page = await open();
+  await until(page, ({ bodies }) => Number(bodies) > 20);
+  await page.screenshot({ path: join(PICTURES, "wall.png") });
+
+  // A press throws a ball.
+  const count = (found) => Number(found.bodies);
+  await page.click("#play");
+  const before = await until(page, ({ busy }) => busy === "0");
+  await page.mouse.click(320, 180);
+  await until(page, ({ bodies }) => Number(bodies) > count(before));
+  await page.keyboard.press("u");
+  await until(page, ({ bodies }) => Number(bodies) === count(before));
+
+  // What is shared is the same elsewhere.
+  await page.click("#play");
+  await until(page, ({ busy }) => busy === "0");
+  await page.click("#throw");
+  await until(page, ({ bodies }) => Number(bodies) > count(before));
+  await page.click("#play");
+  await until(page, ({ busy }) => busy === "0");
+  await page.click("#share");
+  const shared = await until(page, ({ shared }) => shared !== undefined);
+  await page.focus("#timeline");
+  await page.keyboard.press("End");
+  const here = await until(page, ({ frame }) => frame === shared.shared);
+  const other = await open(new URL(page.url()).hash);
+  const there = await until(other, ({ frame }) => frame === shared.shared);
+  assert.equal(there.hash, here.hash);
+  assert.deepEqual([...page.faults, ...other.faults], []);
+  await page.close();
+  await other.close();
+});
+
+test("a link shows the state that the native engine ends in", { skip, timeout: 400_000 }, async () => {
+  const { frames, hash, ...story } = JSON.parse(await readFile(new URL("story.json", import.meta.url), "utf8"));
+  const page = await open(`#frames=${frames}&story=${await encode(story)}`);
+  const found = await until(page, ({ frame }) => frame === String(frames));
+  assert.equal(found.hash, hash);
+  await page.screenshot({ path: join(PICTURES, "story.png") });
+  assert.deepEqual(page.faults, []);
+  await page.close();
+});
+
+test("a mesh that is dropped breaks", { skip, timeout: 400_000 }, async () => {
+  const page = await open();
+  await until(page, ({ frames }) => Number(frames) > 0);
+  // A cube with a notch: eight corners of a box, one of them pushed in.
+  const cube = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 1.2 1.2 1.2\nv 0 2 2\n" +
+    "f 4 3 2 1\nf 5 6 7\nf 5 7 8\nf 1 2 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5 8\n";
+  await page.setInputFiles("#file", { name: "notch.obj", mimeType: "text/plain", buffer: Buffer.from(cube) });
+  await until(page, ({ bodies }) => bodies === "3");
+  const found = await until(page, ({ bodies }) => Number(bodies) > 10);
+  assert.ok(Number(found.bodies) > 10);
+  await page.screenshot({ path: join(PICTURES, "notch.png") });
+  await page.setInputFiles("#file", { name: "empty.obj", mimeType: "text/plain", buffer: Buffer.from("v 0 0 0\n") });
+  await page.waitForFunction(() => document.getElementById("message").textContent === "empty.obj: holds no triangles, must be a mesh");
+  assert.deepEqual(page.faults, []);
+  await page.close();
+});
+
+test("nothing is asked for but the files of the page", { skip }, () => {
+  const kinds = asked.map((path) => extname(path));
+  assert.deepEqual([...new Set(kinds)].sort(), [".css", ".html", ".js", ".wasm"]);
+});
