@@ -141,7 +141,7 @@ impl RoundPair<'_> {
         let PairMotion { ahead, is_substep, paths: [first, second], .. } = *self.pair_motion;
         let grazing = self.pair_motion.grazing();
         let gets_deeper = -touch.parting * ahead > DEEPER * grazing;
-        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > grazing {
+        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > self.pair_motion.near {
             return touch;
         }
         let (first, second) = (first.straight(), second.straight());

@@ -68,6 +68,7 @@ impl Meeting<'_> {
             let middle = (self.at)(0.5 * (before.time + after.time), before.normal);
             if middle.parting < 0.0 { before = middle } else { after = middle }
         }
-        after
+        // Where a body passes the edge of a face, one of the two is on the face.
+        if -before.parting < after.parting { before } else { after }
     }
 }
