@@ -95,18 +95,22 @@ impl<'a> MeshMotion<'a> {
     /// something else carries.
     pub(crate) fn without_sag(
         &self,
-        ([begin, end], at): ([f64; 2], f64),
+        part: ([f64; 2], f64),
         mesh_from_body: &RigidTransform,
     ) -> DVec3 {
-        let squared = begin * begin + at * (end * end - begin * begin);
-        let sag = 0.5 * squared * self.body_path().acceleration;
-        let sag_mesh = self.mesh_path().start.orientation.conjugate() * sag;
-        mesh_from_body.rotation.conjugate() * sag_mesh
+        mesh_from_body.rotation.conjugate() * self.sag_on(part)
     }
 
     /// Way of the body by gravity since the frame's start, mesh frame [m].
     pub(crate) fn sag(&self, time: f64) -> DVec3 {
-        let sag = 0.5 * time * time * self.body_path().acceleration;
+        self.sag_on(([time; 2], 0.0))
+    }
+
+    /// Way of the body by gravity since the frame's start, at a fraction of a straight part of free
+    /// flight between two instants [s], mesh frame [m].
+    pub(crate) fn sag_on(&self, ([begin, end], at): ([f64; 2], f64)) -> DVec3 {
+        let squared = begin * begin + at * (end * end - begin * begin);
+        let sag = 0.5 * squared * self.body_path().acceleration;
         self.mesh_path().start.orientation.conjugate() * sag
     }
 
