@@ -133,7 +133,7 @@ impl RoundMesh<'_> {
         let area = Area::Triangle(corners, plane);
         let points = of.points(&round, &partner, (separation, touch.time), |instant, found| {
             instant.on_area(area, found);
-            found.retain(|point| self.is_own(triangle, &round, point));
+            found.retain(|point| self.is_own(triangle, (&round, touch.time), point));
         });
         let depth = DEPTH * of.motion.pair_motion.size;
         for point in points.iter().filter(|point| point.gap() >= -depth) {
@@ -155,26 +155,34 @@ impl RoundMesh<'_> {
     }
 
     /// True for a point that belongs to this triangle: not where a side goes on over the next one,
-    /// and not on the rim of a triangle beyond whose edge the body lies.
-    fn is_own(&self, triangle: usize, round: &PlacedRevolved, point: &RoundPoint) -> bool {
+    /// and not on the rim of a triangle beyond whose edge the body lies; there or, as something
+    /// else may bear the body, where it is without gravity.
+    fn is_own(
+        &self,
+        triangle: usize,
+        (round, time): (&PlacedRevolved, f64),
+        point: &RoundPoint,
+    ) -> bool {
         let MeshMotion { mesh, thin, rim, .. } = *self.of.motion;
         let corners = mesh.corners(triangle);
         let foot = point.anchors[1].point;
         let is_cut = self.is_cut(round, point);
+        let turn = point.normal.dot(mesh.normal(triangle)).signum();
+        let sag = self.of.sag(time);
         let is_over = |corner: usize| {
             let Some(next) = mesh.neighbour_normal(triangle, corner) else { return false };
-            let turn = point.normal.dot(mesh.normal(triangle)).signum();
             let next = turn * next;
             let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
-            next.dot(point.normal) < STEEP && gap >= -rim
+            next.dot(point.normal) < STEEP && gap.max(gap - sag.dot(next)) >= -rim
         };
         (0..3).all(|corner| {
             let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
-            let off = (to - from).cross(foot - from).length() / (to - from).length();
+            let inward = turn * point.normal.cross(to - from).normalize_or_zero();
+            let off = inward.dot(foot - from);
             match mesh.edge_kind(triangle, corner) {
-                EdgeKind::Flat => !is_cut || off > thin,
+                EdgeKind::Flat => !is_cut || off.abs() > thin,
                 EdgeKind::Border | EdgeKind::Concave => true,
-                EdgeKind::Convex => off > rim || !is_over(corner),
+                EdgeKind::Convex => off.min(off - sag.dot(inward)) > rim || !is_over(corner),
             }
         })
     }
@@ -224,7 +232,7 @@ impl RoundMesh<'_> {
         let motion = self.of.motion;
         let up = (self.of.start.middle - on_plane).dot(outward).signum() * outward;
         let gap = |round: &PlacedRevolved| -round.reach(-up) - round.rounding - on_plane.dot(up);
-        let sag = if motion.is_borne { DVec3::ZERO } else { motion.sag(time) };
+        let sag = self.of.sag(time);
         let lowest = gap(&self.of.start).min(gap(&self.of.placed(time)) - sag.dot(up));
         normal.dot(up).abs() < ASIDE && lowest >= -motion.rim
     }

@@ -62,12 +62,17 @@ impl<'a> RoundMotion<'a> {
             mesh_from_world.after(&body.pose(time).world_from_body())
         };
         let part = time / self.motion.pair_motion.frame.dt.max(f64::MIN_POSITIVE);
-        let sag = if self.is_carried { self.motion.sag(time) } else { DVec3::ZERO };
+        let sag = if self.is_carried { self.sag(time) } else { DVec3::ZERO };
         RigidTransform { translation: pose.translation + part * self.held - sag, ..pose }
     }
 
     pub(crate) fn placed(&self, time: f64) -> PlacedRevolved {
         if time == 0.0 { self.start } else { PlacedRevolved::new(&self.round, &self.pose(time)) }
+    }
+
+    /// Way by gravity since the frame's start, mesh frame [m]; zero of a body that the mesh bears.
+    pub(crate) fn sag(&self, time: f64) -> DVec3 {
+        if self.motion.is_borne { DVec3::ZERO } else { self.motion.sag(time) }
     }
 
     /// First touch with a partner within the frame, or the closest approach; normals are in the
@@ -89,14 +94,15 @@ impl<'a> RoundMotion<'a> {
     }
 
     /// The way without gravity and the closest approach on it, of a body that touches a partner at
-    /// `touch` and only grazes it.
+    /// `touch`, or still comes nearer then, and only grazes it.
     pub(crate) fn grazed(&self, partner: &Partner, touch: &Apart) -> Option<(Self, Apart)> {
         let pair_motion = self.motion.pair_motion;
         let grazing = pair_motion.grazing();
-        if touch.gap > TOUCH * self.thin || touch.gap <= -grazing {
+        let passes = touch.gap > TOUCH * self.thin && touch.parting >= 0.0;
+        if passes || touch.gap <= -grazing {
             return None;
         }
-        let carried = Self { is_carried: !self.motion.is_borne, ..*self };
+        let carried = Self { is_carried: true, ..*self };
         let limits = (pair_motion.size, self.close);
         let at = |time: f64, guess: DVec3| {
             carried.seen(time, |round| flat_separation(round, partner, limits, guess))
