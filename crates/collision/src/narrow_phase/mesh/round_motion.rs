@@ -31,8 +31,9 @@ pub(crate) struct RoundMotion<'a> {
     pub(crate) start: PlacedRevolved,
     /// Part of free flight's way that what touches takes away, over the whole frame, mesh frame [m].
     held: DVec3,
-    /// True on the way without gravity, as of a body that something else bears.
-    is_carried: bool,
+    /// The straight way over the frame without gravity, as of a body that something else bears, and
+    /// without what is held; mesh frame [m].
+    carried: Option<DVec3>,
 }
 
 impl<'a> RoundMotion<'a> {
@@ -48,7 +49,7 @@ impl<'a> RoundMotion<'a> {
             close: (PREFERENCE * motion.pair_motion.size).min(THIN * thin),
             start: PlacedRevolved::new(round, &motion.start()),
             held: ends[0] - ends[1],
-            is_carried: false,
+            carried: None,
         }
     }
 
@@ -62,8 +63,11 @@ impl<'a> RoundMotion<'a> {
             mesh_from_world.after(&body.pose(time).world_from_body())
         };
         let part = time / self.motion.pair_motion.frame.dt.max(f64::MIN_POSITIVE);
-        let sag = if self.is_carried { self.sag(time) } else { DVec3::ZERO };
-        RigidTransform { translation: pose.translation + part * self.held - sag, ..pose }
+        let translation = match self.carried {
+            Some(way) => self.motion.start().translation + part * way,
+            None => pose.translation + part * self.held,
+        };
+        RigidTransform { translation, ..pose }
     }
 
     pub(crate) fn placed(&self, time: f64) -> PlacedRevolved {
@@ -102,7 +106,9 @@ impl<'a> RoundMotion<'a> {
         if passes || touch.gap <= -grazing {
             return None;
         }
-        let carried = Self { is_carried: true, ..*self };
+        let [from, to] = [0.0, pair_motion.frame.dt].map(|time| self.pose(time).translation);
+        let way = to - from - self.sag(pair_motion.frame.dt);
+        let carried = Self { carried: Some(way), ..*self };
         let limits = (pair_motion.size, self.close);
         let at = |time: f64, guess: DVec3| {
             carried.seen(time, |round| flat_separation(round, partner, limits, guess))
@@ -114,8 +120,7 @@ impl<'a> RoundMotion<'a> {
             touch: 0.0,
             near: pair_motion.near,
         };
-        let nearest = meeting.nearest(at(0.0, touch.normal));
-        (nearest.gap > -grazing).then_some((carried, nearest))
+        meeting.grazed(at(0.0, touch.normal), grazing).map(|nearest| (carried, nearest))
     }
 
     fn apart(&self, partner: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {
