@@ -9,7 +9,6 @@ use crate::narrow_phase::mesh::selection::mesh_points;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::revolved::contact::revolved_points;
 use crate::narrow_phase::sphere::BallContact;
-use glam::DVec3;
 
 /// Appends the points of a pair with a ball or static triangles, or of two shapes with convex
 /// features; `false` for other pairs.
@@ -20,9 +19,7 @@ pub(crate) fn exact_points(
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
     let ball = |ball_is_first: bool, radius: f64, other: ConvexShape| {
-        let surface = &|point: DVec3| other.distance_and_gradient(point);
-        let is_convex = !matches!(other, ConvexShape::Other(_));
-        BallContact { pair_motion, ball_is_first, radius, surface, is_convex }.point()
+        BallContact { pair_motion, ball_is_first, radius, other }.point()
     };
     match convex_shapes {
         [ConvexShape::Mesh(mesh), other] => {

@@ -51,9 +51,7 @@ pub(crate) fn core_points(
         if radius <= 0.0 {
             continue;
         }
-        let surface = &|point: DVec3| other.distance_and_gradient(point);
-        let core =
-            BallContact { pair_motion, ball_is_first: side == 0, radius, surface, is_convex };
+        let core = BallContact { pair_motion, ball_is_first: side == 0, radius, other };
         let point = core
             .point()
             .filter(|point| point.gap <= pair_motion.near + pair_motion.ahead * point.approach);

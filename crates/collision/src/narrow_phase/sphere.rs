@@ -2,6 +2,7 @@
 //! without samples.
 
 use crate::manifold::{FeatureId, ManifoldPoint};
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::pair_motion::{MOST_STEPS, PairMotion};
 use frangible_bodies::{BallisticPath, Pose};
 use glam::DVec3;
@@ -23,10 +24,8 @@ pub(crate) struct BallContact<'a> {
     pub(crate) ball_is_first: bool,
     /// [m]
     pub(crate) radius: f64,
-    /// Signed distance [m] and unit gradient of the other body, or of a part, in the body frame.
-    pub(crate) surface: &'a dyn Fn(DVec3) -> (f64, DVec3),
-    /// True for the surface of a convex body.
-    pub(crate) is_convex: bool,
+    /// The other body, or a part of it.
+    pub(crate) other: ConvexShape<'a>,
 }
 
 impl BallContact<'_> {
@@ -40,18 +39,25 @@ impl BallContact<'_> {
         }
         let gap = self.first_touch(start);
 
-        // The ball's centre, and the material point of the other body at first touch.
-        let on_ball = gap.pose_ball.position - self.radius * gap.outward;
-        let on_other = on_ball - gap.phi * gap.outward;
-        let anchor_other = gap.pose_other.world_from_body().inverse().point(on_other);
+        // The ball's centre, and the material point of the other body at first touch. A second ball
+        // has its centre too: its spin changes nothing.
+        let (anchor_other, radius_other) = match self.other {
+            ConvexShape::Ball(radius) => (DVec3::ZERO, radius),
+            _ => {
+                let on_ball = gap.pose_ball.position - self.radius * gap.outward;
+                let on_other = on_ball - gap.phi * gap.outward;
+                (gap.pose_other.world_from_body().inverse().point(on_other), 0.0)
+            }
+        };
         // Separation along this normal at the frame's start.
         let other_now = start.pose_other.world_from_body().point(anchor_other);
-        let now = (start.pose_ball.position - other_now).dot(gap.outward) - self.radius;
+        let apart = (start.pose_ball.position - other_now).dot(gap.outward);
+        let now = apart - self.radius - radius_other;
         let closing = -self.parting(&gap);
         let (normal, anchor_first, anchor_second, rounding) = if self.ball_is_first {
-            (gap.outward, DVec3::ZERO, anchor_other, [self.radius, 0.0])
+            (gap.outward, DVec3::ZERO, anchor_other, [self.radius, radius_other])
         } else {
-            (-gap.outward, anchor_other, DVec3::ZERO, [0.0, self.radius])
+            (-gap.outward, anchor_other, DVec3::ZERO, [radius_other, self.radius])
         };
         let feature = FeatureId { is_of_first: self.ball_is_first, index: u32::MAX.into() };
         let approach = closing.max(0.0);
@@ -66,6 +72,10 @@ impl BallContact<'_> {
         })
     }
 
+    fn is_convex(&self) -> bool {
+        !matches!(self.other, ConvexShape::Other(_) | ConvexShape::Mesh(_))
+    }
+
     fn ball_and_other(&self) -> [&BallisticPath; 2] {
         let [first, second] = self.pair_motion.paths;
         if self.ball_is_first { [first, second] } else { [second, first] }
@@ -75,7 +85,7 @@ impl BallContact<'_> {
     fn gap(&self, time: f64) -> Gap {
         let [pose_ball, pose_other] = self.ball_and_other().map(|path| path.pose(time));
         let center_other = pose_other.world_from_body().inverse().point(pose_ball.position);
-        let (distance, gradient) = (self.surface)(center_other);
+        let (distance, gradient) = self.other.distance_and_gradient(center_other);
         let outward = pose_other.orientation * gradient;
         Gap { time, pose_ball, pose_other, phi: distance - self.radius, outward }
     }
@@ -86,10 +96,10 @@ impl BallContact<'_> {
         // The separation from a convex body is convex in straight motion: Newton's method does not
         // overshoot, and converges where a ball rolls towards an edge.
         let [ball, other] = self.ball_and_other();
-        let is_convex = self.is_convex
+        let is_convex = self.is_convex()
             && ball.acceleration == DVec3::ZERO
             && other.acceleration == DVec3::ZERO
-            && other.angular == DVec3::ZERO;
+            && (other.angular == DVec3::ZERO || matches!(self.other, ConvexShape::Ball(_)));
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
@@ -112,7 +122,7 @@ impl BallContact<'_> {
     fn grazing(&self, touch: Gap) -> Gap {
         let PairMotion { ahead, paths: [first, second], .. } = *self.pair_motion;
         let grazing = self.pair_motion.grazing();
-        if !self.is_convex || touch.phi <= -grazing {
+        if !self.is_convex() || touch.phi <= -grazing {
             return touch;
         }
         let (first, second) = (first.straight(), second.straight());
@@ -135,7 +145,9 @@ impl BallContact<'_> {
             let middle = self.gap(0.5 * (before.time + after.time));
             if self.parting(&middle) < 0.0 { before = middle } else { after = middle }
         }
-        after
+        // Where the ball passes the edge of a face, one of the two is on the face: the other's
+        // normal is that of a slope, and would let the ball sink or stop it.
+        if -self.parting(&before) < self.parting(&after) { before } else { after }
     }
 
     /// Separating speed [m/s].

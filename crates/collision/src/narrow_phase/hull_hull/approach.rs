@@ -125,7 +125,7 @@ impl<'a> Approach<'a> {
     fn grazing(&self, touch: Instant<'a>, scratch: &mut Scratch) -> Instant<'a> {
         let PairMotion { ahead, is_substep, .. } = *self.pair_motion;
         let grazing = self.pair_motion.grazing();
-        if touch.contact.gap <= -grazing || !is_narrow(&scratch.points, 2.0 * grazing) {
+        if touch.contact.gap <= -grazing || !is_narrow(&scratch.points, grazing) {
             return touch;
         }
         let paths = self.pair_motion.paths.map(BallisticPath::straight);
@@ -142,7 +142,7 @@ impl<'a> Approach<'a> {
         if self.gets_deeper(&touch, &paths, scratch) {
             return touch;
         }
-        // The instant with the last change of the normal, and its points.
+        // The instant with the last change of the normal of any point, and its points.
         let of_touch = std::mem::take(&mut scratch.points);
         let (mut meeting, mut points) = (touch, of_touch.clone());
         let (mut time, mut normal, mut gap) = (touch.time, touch.normal(), touch.contact.gap);
@@ -154,7 +154,10 @@ impl<'a> Approach<'a> {
                 break;
             }
             (normal, gap) = (later.normal(), later.contact.gap);
-            if normal.dot(meeting.normal()) < SAME_NORMAL {
+            let is_other = |point: &HullPoint| {
+                normal.dot(meeting.world_from_first.direction(point.normal)) < SAME_NORMAL
+            };
+            if points.iter().any(is_other) {
                 meeting = later;
                 points.clone_from(&scratch.points);
             }
@@ -255,18 +258,19 @@ impl<'a> Approach<'a> {
     }
 }
 
-/// True for a contact patch that is no wider than `most` [m] in some direction. A pair that only
-/// grazes has a narrow one: the overlap along the axis that it passes on.
-fn is_narrow(points: &[HullPoint], most: f64) -> bool {
+/// True for a contact patch that is no wider than twice `grazing` [m] in some direction. A pair
+/// that only grazes has a narrow one: the overlap along the axis that it passes on. Points that are
+/// further apart than the nearest one, by more than `grazing`, are of no patch.
+fn is_narrow(points: &[HullPoint], grazing: f64) -> bool {
     let middle = |point: &HullPoint| 0.5 * (point.on[0] + point.on[1]);
-    let Some((first, rest)) = points.split_first() else { return true };
-    let from = middle(first);
-    let longest = rest
-        .iter()
-        .map(|point| middle(point) - from)
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let least = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
+    let mut near = points.iter().filter(|point| point.gap <= least + grazing);
+    let Some(first) = near.next() else { return true };
+    let (from, most) = (middle(first), 2.0 * grazing);
+    let rest = near.map(|point| middle(point) - from);
+    let longest = rest.clone().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
     let Some(along) = longest.and_then(|along| along.try_normalize()) else { return true };
-    rest.iter().all(|point| (middle(point) - from).cross(along).length_squared() <= most * most)
+    rest.into_iter().all(|arm| arm.cross(along).length_squared() <= most * most)
 }
 
 /// Upper bound of the closing speed of any two points along a normal in the world frame, from an

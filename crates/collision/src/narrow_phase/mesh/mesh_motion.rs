@@ -16,10 +16,11 @@ const MOST_PARTS: usize = 16;
 /// Width of what counts as one plane or one line, relative to the body's size [1].
 const THIN: f64 = 1e-5;
 
-/// Width of the rim of a face, relative to the body's size [1]: a resting body overlaps what bears
-/// it by less (`RESTING_DEPTH` of the solver). What meets a face only there slides over its edge.
-/// Without it a box that slides from one closed box of a mesh to the next stops at the seam.
-const RIM: f64 = 2.5e-3;
+/// Width of the rim of a face, relative to the body's size [1]: twice the overlap of a resting
+/// contact (`RESTING_DEPTH` of the solver). What meets a face only there slides over its edge.
+/// Without it a box that slides from one closed box of a mesh to the next stops at the seam; with
+/// 2.5e-3 a cylinder of 4 cm that slides along its axis does.
+const RIM: f64 = 4e-3;
 
 /// A body's motion through a frame, seen from a mesh.
 pub(crate) struct MeshMotion<'a> {
@@ -95,18 +96,22 @@ impl<'a> MeshMotion<'a> {
     /// something else carries.
     pub(crate) fn without_sag(
         &self,
-        ([begin, end], at): ([f64; 2], f64),
+        part: ([f64; 2], f64),
         mesh_from_body: &RigidTransform,
     ) -> DVec3 {
-        let squared = begin * begin + at * (end * end - begin * begin);
-        let sag = 0.5 * squared * self.body_path().acceleration;
-        let sag_mesh = self.mesh_path().start.orientation.conjugate() * sag;
-        mesh_from_body.rotation.conjugate() * sag_mesh
+        mesh_from_body.rotation.conjugate() * self.sag_on(part)
     }
 
     /// Way of the body by gravity since the frame's start, mesh frame [m].
     pub(crate) fn sag(&self, time: f64) -> DVec3 {
-        let sag = 0.5 * time * time * self.body_path().acceleration;
+        self.sag_on(([time; 2], 0.0))
+    }
+
+    /// Way of the body by gravity since the frame's start, at a fraction of a straight part of free
+    /// flight between two instants [s], mesh frame [m].
+    pub(crate) fn sag_on(&self, ([begin, end], at): ([f64; 2], f64)) -> DVec3 {
+        let squared = begin * begin + at * (end * end - begin * begin);
+        let sag = 0.5 * squared * self.body_path().acceleration;
         self.mesh_path().start.orientation.conjugate() * sag
     }
 

@@ -69,8 +69,8 @@ fn wedged(of: &RoundMesh, triangles: &[usize], contacts: &mut Vec<MeshContact>) 
     let mut best: Option<(Separation, usize)> = None;
     for &triangle in triangles {
         let corners = mesh.corners(triangle);
-        for corner in (0..3).filter(|&corner| mesh.owns_edge(triangle, corner)) {
-            let Some(edge) = MeshEdge::of(mesh, triangle, corner) else { continue };
+        let along = |corner: usize| {
+            let edge = MeshEdge::of(mesh, triangle, corner)?;
             let length = edge.ends[0].distance(edge.ends[1]);
             let partner = Partner::Revolved(segment(edge.ends[0], edge.along, length));
             let size = of.of.motion.pair_motion.size;
@@ -78,10 +78,20 @@ fn wedged(of: &RoundMesh, triangles: &[usize], contacts: &mut Vec<MeshContact>) 
             let heights = corners.map(|corner| corner.dot(normal));
             let at = (1..3).fold(0, |a, b| if heights[b] > heights[a] { b } else { a });
             let gap = -round.reach(-normal) - round.rounding - heights[at];
-            let is_behind = mesh.sides() == Sides::One && mesh.normal(triangle).dot(normal) < 0.0;
-            if !is_behind && gap <= 0.0 && best.is_none_or(|(best, _)| gap > best.gap) {
-                let vertex = mesh.triangles()[triangle][at] as usize;
-                best = Some((Separation { gap, normal, on: None }, vertex));
+            let vertex = mesh.triangles()[triangle][at] as usize;
+            Some((corner, Separation { gap, normal, on: None }, vertex))
+        };
+        let ways: Vec<_> = (0..3).filter_map(along).collect();
+        // Along one of them the body is beside the triangle.
+        if ways.iter().any(|(_, way, _)| way.gap > 0.0) {
+            continue;
+        }
+        for (corner, way, vertex) in ways {
+            let is_behind =
+                mesh.sides() == Sides::One && mesh.normal(triangle).dot(way.normal) < 0.0;
+            let is_better = best.is_none_or(|(best, _)| way.gap > best.gap);
+            if mesh.owns_edge(triangle, corner) && !is_behind && is_better {
+                best = Some((way, vertex));
             }
         }
     }
@@ -94,6 +104,13 @@ fn wedged(of: &RoundMesh, triangles: &[usize], contacts: &mut Vec<MeshContact>) 
 
 struct RoundMesh<'a> {
     of: RoundMotion<'a>,
+}
+
+/// A touch at an instant [s] of a way.
+struct Met<'a> {
+    of: RoundMotion<'a>,
+    separation: Separation,
+    time: f64,
 }
 
 impl RoundMesh<'_> {
@@ -116,7 +133,7 @@ impl RoundMesh<'_> {
         let area = Area::Triangle(corners, plane);
         let points = of.points(&round, &partner, (separation, touch.time), |instant, found| {
             instant.on_area(area, found);
-            found.retain(|point| self.is_own(triangle, &round, point));
+            found.retain(|point| self.is_own(triangle, (&round, touch.time), point));
         });
         let depth = DEPTH * of.motion.pair_motion.size;
         for point in points.iter().filter(|point| point.gap() >= -depth) {
@@ -138,26 +155,34 @@ impl RoundMesh<'_> {
     }
 
     /// True for a point that belongs to this triangle: not where a side goes on over the next one,
-    /// and not on the rim of a triangle beyond whose edge the body lies.
-    fn is_own(&self, triangle: usize, round: &PlacedRevolved, point: &RoundPoint) -> bool {
+    /// and not on the rim of a triangle beyond whose edge the body lies; there or, as something
+    /// else may bear the body, where it is without gravity.
+    fn is_own(
+        &self,
+        triangle: usize,
+        (round, time): (&PlacedRevolved, f64),
+        point: &RoundPoint,
+    ) -> bool {
         let MeshMotion { mesh, thin, rim, .. } = *self.of.motion;
         let corners = mesh.corners(triangle);
         let foot = point.anchors[1].point;
         let is_cut = self.is_cut(round, point);
+        let turn = point.normal.dot(mesh.normal(triangle)).signum();
+        let sag = self.of.sag(time);
         let is_over = |corner: usize| {
             let Some(next) = mesh.neighbour_normal(triangle, corner) else { return false };
-            let turn = point.normal.dot(mesh.normal(triangle)).signum();
             let next = turn * next;
             let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
-            next.dot(point.normal) < STEEP && gap >= -rim
+            next.dot(point.normal) < STEEP && gap.max(gap - sag.dot(next)) >= -rim
         };
         (0..3).all(|corner| {
             let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
-            let off = (to - from).cross(foot - from).length() / (to - from).length();
+            let inward = turn * point.normal.cross(to - from).normalize_or_zero();
+            let off = inward.dot(foot - from);
             match mesh.edge_kind(triangle, corner) {
-                EdgeKind::Flat => !is_cut || off > thin,
+                EdgeKind::Flat => !is_cut || off.abs() > thin,
                 EdgeKind::Border | EdgeKind::Concave => true,
-                EdgeKind::Convex => off > rim || !is_over(corner),
+                EdgeKind::Convex => off.min(off - sag.dot(inward)) > rim || !is_over(corner),
             }
         })
     }
@@ -170,14 +195,15 @@ impl RoundMesh<'_> {
         let id = (3 * triangle + corner) as u64 * 0x9e37;
         let stands_out =
             |normal: DVec3| normal.dot(edge.along).abs() <= ASIDE && edge.stands_out(normal, ASIDE);
-        let Some((separation, time)) = self.meets(&segment, stands_out) else { return };
-        let normal = edge.flush(separation.normal);
+        let Some(mut met) = self.meets(&segment, stands_out) else { return };
+        met.separation.normal = edge.flush(met.separation.normal);
+        let (normal, time) = (met.separation.normal, met.time);
         let mesh = self.of.motion.mesh;
         let is_border = mesh.edge_kind(triangle, corner) == EdgeKind::Border;
         if is_border && self.passes_over(mesh.normal(triangle), edge.ends[0], (normal, time)) {
             return;
         }
-        self.push(&segment, (Separation { normal, ..separation }, time), id, contacts);
+        Self::push(&segment, &met, id, contacts);
     }
 
     /// The contact with a corner that stands out.
@@ -190,13 +216,13 @@ impl RoundMesh<'_> {
             mesh.sides() == Sides::Two || around().any(|outward| outward.dot(normal) > 0.0)
         };
         let stands_out = |normal: DVec3| is_in_front(normal) && mesh.is_peak(vertex, normal, ASIDE);
-        let Some((separation, time)) = self.meets(&point, stands_out) else { return };
+        let Some(Met { of, separation, time }) = self.meets(&point, stands_out) else { return };
         let normal = flush(separation.normal, around());
         let is_border = around().next().filter(|first| around().all(|n| n.dot(*first) > FLAT));
         if is_border.is_some_and(|outward| self.passes_over(outward, at, (normal, time))) {
             return;
         }
-        self.push_corner(vertex, (normal, time), contacts);
+        RoundMesh { of }.push_corner(vertex, (normal, time), contacts);
     }
 
     /// True for a body that meets the border of a triangle aside at an instant, but is over the
@@ -206,7 +232,7 @@ impl RoundMesh<'_> {
         let motion = self.of.motion;
         let up = (self.of.start.middle - on_plane).dot(outward).signum() * outward;
         let gap = |round: &PlacedRevolved| -round.reach(-up) - round.rounding - on_plane.dot(up);
-        let sag = if motion.is_borne { DVec3::ZERO } else { motion.sag(time) };
+        let sag = self.of.sag(time);
         let lowest = gap(&self.of.start).min(gap(&self.of.placed(time)) - sag.dot(up));
         normal.dot(up).abs() < ASIDE && lowest >= -motion.rim
     }
@@ -237,9 +263,10 @@ impl RoundMesh<'_> {
         &self,
         segment: &PlacedRevolved,
         stands_out: impl Fn(DVec3) -> bool,
-    ) -> Option<(Separation, f64)> {
-        let (of, partner) = (&self.of, Partner::Revolved(*segment));
+    ) -> Option<Met<'_>> {
+        let (of, partner) = (self.of, Partner::Revolved(*segment));
         let touch = of.touch(&partner, of.start.middle - segment.middle)?;
+        let (of, touch) = of.grazed(&partner, &touch).unwrap_or((of, touch));
         let limits = (of.motion.pair_motion.size, of.close);
         let round = of.placed(touch.time);
         let found = contact_separation(&round, &partner, limits, touch.normal);
@@ -249,22 +276,17 @@ impl RoundMesh<'_> {
         // A face's or a side's normal that is nearly as good may point aside.
         let is_met = stands_out(found.normal)
             || stands_out(separation(&round, &partner, limits.0, found.normal).normal);
-        is_met.then_some((found, touch.time))
+        is_met.then_some(Met { of, separation: found, time: touch.time })
     }
 
-    fn push(
-        &self,
-        segment: &PlacedRevolved,
-        at: (Separation, f64),
-        id: u64,
-        contacts: &mut Vec<MeshContact>,
-    ) {
-        let (of, round) = (&self.of, self.of.placed(at.1));
-        let partner = Partner::Revolved(*segment);
+    fn push(segment: &PlacedRevolved, met: &Met, id: u64, contacts: &mut Vec<MeshContact>) {
+        let Met { of, separation, time } = met;
+        let (round, partner) = (of.placed(*time), Partner::Revolved(*segment));
+        let at = (*separation, *time);
         let points = of.points(&round, &partner, at, |instant, found| instant.points(found));
         for point in &points {
             let feature = (Meets::EdgeOnEdge, id + point.id);
-            contacts.extend(of.contact(point, at.1, feature));
+            contacts.extend(of.contact(point, *time, feature));
         }
     }
 }

@@ -9,12 +9,17 @@ use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::points::Instant;
 use crate::narrow_phase::revolved::round_point::RoundPoint;
-use crate::narrow_phase::revolved::separation::{Separation, quick_separation};
+use crate::narrow_phase::revolved::separation::{Separation, flat_separation, quick_separation};
 use frangible_geometry::Revolved;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
+/// Time within which a body may pass an edge, relative to the rest of the frame [1]: contacts act
+/// up to a substep ahead, and a frame has two at least.
+const BEYOND: f64 = 1.5;
+
 /// A body of revolution and the motion of its pair.
+#[derive(Clone, Copy)]
 pub(crate) struct RoundMotion<'a> {
     pub(crate) motion: &'a MeshMotion<'a>,
     pub(crate) round: Revolved,
@@ -26,6 +31,9 @@ pub(crate) struct RoundMotion<'a> {
     pub(crate) start: PlacedRevolved,
     /// Part of free flight's way that what touches takes away, over the whole frame, mesh frame [m].
     held: DVec3,
+    /// The straight way over the frame without gravity, as of a body that something else bears, and
+    /// without what is held; mesh frame [m].
+    carried: Option<DVec3>,
 }
 
 impl<'a> RoundMotion<'a> {
@@ -41,6 +49,7 @@ impl<'a> RoundMotion<'a> {
             close: (PREFERENCE * motion.pair_motion.size).min(THIN * thin),
             start: PlacedRevolved::new(round, &motion.start()),
             held: ends[0] - ends[1],
+            carried: None,
         }
     }
 
@@ -54,11 +63,20 @@ impl<'a> RoundMotion<'a> {
             mesh_from_world.after(&body.pose(time).world_from_body())
         };
         let part = time / self.motion.pair_motion.frame.dt.max(f64::MIN_POSITIVE);
-        RigidTransform { translation: pose.translation + part * self.held, ..pose }
+        let translation = match self.carried {
+            Some(way) => self.motion.start().translation + part * way,
+            None => pose.translation + part * self.held,
+        };
+        RigidTransform { translation, ..pose }
     }
 
     pub(crate) fn placed(&self, time: f64) -> PlacedRevolved {
         if time == 0.0 { self.start } else { PlacedRevolved::new(&self.round, &self.pose(time)) }
+    }
+
+    /// Way by gravity since the frame's start, mesh frame [m]; zero of a body that the mesh bears.
+    pub(crate) fn sag(&self, time: f64) -> DVec3 {
+        if self.motion.is_borne { DVec3::ZERO } else { self.motion.sag(time) }
     }
 
     /// First touch with a partner within the frame, or the closest approach; normals are in the
@@ -79,10 +97,40 @@ impl<'a> RoundMotion<'a> {
         .first_touch(start)
     }
 
+    /// The way without gravity and the closest approach on it, of a body that touches a partner at
+    /// `touch`, or still comes nearer then, and only grazes it.
+    pub(crate) fn grazed(&self, partner: &Partner, touch: &Apart) -> Option<(Self, Apart)> {
+        let pair_motion = self.motion.pair_motion;
+        let grazing = pair_motion.grazing();
+        let passes = touch.gap > TOUCH * self.thin && touch.parting >= 0.0;
+        if passes || touch.gap <= -grazing {
+            return None;
+        }
+        let [from, to] = [0.0, pair_motion.frame.dt].map(|time| self.pose(time).translation);
+        let way = to - from - self.sag(pair_motion.frame.dt);
+        let carried = Self { carried: Some(way), ..*self };
+        let limits = (pair_motion.size, self.close);
+        let at = |time: f64, guess: DVec3| {
+            carried.seen(time, |round| flat_separation(round, partner, limits, guess))
+        };
+        let meeting = Meeting {
+            at: &at,
+            closing: &|time, normal| carried.fastest_closing(time, normal),
+            dt: BEYOND * pair_motion.ahead,
+            touch: 0.0,
+            near: pair_motion.near,
+        };
+        meeting.grazed(at(0.0, touch.normal), grazing).map(|nearest| (carried, nearest))
+    }
+
     fn apart(&self, partner: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {
-        let round = self.placed(time);
         let limits = (self.motion.pair_motion.size, most);
-        let Separation { gap, normal, on } = quick_separation(&round, partner, limits, guess);
+        self.seen(time, |round| quick_separation(round, partner, limits, guess))
+    }
+
+    fn seen(&self, time: f64, separation: impl Fn(&PlacedRevolved) -> Separation) -> Apart {
+        let round = self.placed(time);
+        let Separation { gap, normal, on } = separation(&round);
         let at = on.map_or_else(|| round.support(-normal), |on| on[0]) - round.rounding * normal;
         let way = |later: f64| self.pose(later).point(self.pose(time).inverse().point(at));
         // Over a thousandth of the frame.

@@ -8,7 +8,7 @@ use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::reduction::{FEW_POINTS, reduce};
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::revolved::first_touch::{Apart, Meeting};
+use crate::narrow_phase::revolved::first_touch::{Apart, DEEPER, Meeting};
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::points::{Instant, is_of_partner};
@@ -27,10 +27,6 @@ pub(crate) const TOUCH: f64 = 1e-3;
 /// Normals as good within this part of the thinner body's half thickness are equal [1]; for thin
 /// bodies less than [`PREFERENCE`] of the radius.
 pub(crate) const THIN: f64 = 1e-2;
-
-/// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look
-/// for its closest approach [1]: bodies at rest do not need one.
-const DEEPER: f64 = 0.05;
 
 /// Cosine of the angle within which the closest approach has the normal of the first touch [1]: the
 /// points of a first touch that is as good are kept.
@@ -141,7 +137,7 @@ impl RoundPair<'_> {
         let PairMotion { ahead, is_substep, paths: [first, second], .. } = *self.pair_motion;
         let grazing = self.pair_motion.grazing();
         let gets_deeper = -touch.parting * ahead > DEEPER * grazing;
-        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > grazing {
+        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > self.pair_motion.near {
             return touch;
         }
         let (first, second) = (first.straight(), second.straight());
@@ -155,17 +151,8 @@ impl RoundPair<'_> {
             touch: 0.0,
             near: pair_motion.near,
         };
-        let mut nearest = meeting.nearest(at(touch.time, touch.normal));
-        if nearest.gap <= -grazing {
-            return touch;
-        }
-        // A body that rolls on from an edge is as near on the face behind it, on its whole line.
-        let later = at(0.5 * (nearest.time + ahead), nearest.normal);
-        if later.gap <= nearest.gap + DEEPER * grazing {
-            nearest = later;
-        }
-        let is_other = nearest.normal.dot(touch.normal) < SAME_NORMAL;
-        if is_other && nearest.gap > -grazing { nearest } else { touch }
+        let nearest = meeting.grazed(at(touch.time, touch.normal), grazing);
+        nearest.filter(|near| near.normal.dot(touch.normal) < SAME_NORMAL).unwrap_or(touch)
     }
 
     /// Paths of the body of revolution and of its partner.

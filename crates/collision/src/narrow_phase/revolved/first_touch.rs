@@ -7,6 +7,10 @@ use glam::DVec3;
 /// Bisections of a frame for the time of closest approach: to a thousandth of it.
 const HALVINGS: u32 = 10;
 
+/// Fraction of the overlap of a grazing pair that a pair may get deeper in a frame without a look
+/// for its closest approach [1]: bodies at rest do not need one.
+pub(crate) const DEEPER: f64 = 0.05;
+
 /// Two bodies at an instant of the frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Apart {
@@ -55,6 +59,20 @@ impl Meeting<'_> {
         Some(here)
     }
 
+    /// Closest approach after an instant of bodies that overlap no deeper than `grazing` [m] until
+    /// the frame's end.
+    pub(crate) fn grazed(&self, from: Apart, grazing: f64) -> Option<Apart> {
+        let nearest = self.nearest(from);
+        if nearest.gap <= -grazing {
+            return None;
+        }
+        // A body that moves on from an edge is as near on the face behind it, on its whole line.
+        let later = (self.at)(0.5 * (nearest.time + self.dt), nearest.normal);
+        let is_as_near = later.gap <= nearest.gap + DEEPER * grazing;
+        let found = if is_as_near { later } else { nearest };
+        (found.gap > -grazing).then_some(found)
+    }
+
     /// Closest approach after an instant, or the frame's end.
     pub(crate) fn nearest(&self, from: Apart) -> Apart {
         if from.parting >= 0.0 {
@@ -68,6 +86,7 @@ impl Meeting<'_> {
             let middle = (self.at)(0.5 * (before.time + after.time), before.normal);
             if middle.parting < 0.0 { before = middle } else { after = middle }
         }
-        after
+        // Where a body passes the edge of a face, one of the two is on the face.
+        if -before.parting < after.parting { before } else { after }
     }
 }
