@@ -12,6 +12,7 @@ use crate::scene::desc::{
 use crate::scene::fineness::Fineness;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
+use crate::scene::starts::build_waiting;
 use crate::scene::strength::Strength;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
@@ -221,10 +222,19 @@ fn build_body(
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
+    let waiting = build_waiting(desc, velocity, is_anchored, method, &at.field("starts"))?;
+    let motion = if waiting.is_some() { Motion::Static } else { motion };
     let surface =
         SurfaceProperties { friction, rolling_friction, spinning_friction, restitution, strength };
-    let label =
-        Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds, path };
+    let label = Label {
+        name: desc.name.clone(),
+        parent: None,
+        look: desc.look,
+        breaking,
+        bonds,
+        path,
+        waiting,
+    };
     Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
 }
 
