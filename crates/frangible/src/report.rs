@@ -56,10 +56,11 @@ pub struct Energy {
     /// Work of kinematic bodies in this frame, plus the work of penetration recovery, which is
     /// bounded by overlap depth and `recovery_speed`.
     pub work: f64,
-    /// Energy with which waiting bodies started in this frame: E(n) is without them.
-    pub started: f64,
     /// Growth of the ledger's banks in this frame: dissipated energy available for reuse.
     pub banked: f64,
+    /// Kinetic and potential energy with which waiting bodies started in this frame; E(n) counts
+    /// it.
+    pub started: f64,
     /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
     /// this frame, or, if negative, was dissipated.
     pub gain: f64,
