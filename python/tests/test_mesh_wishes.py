@@ -1,7 +1,6 @@
 """One mesh file and what an artist wants of it."""
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
