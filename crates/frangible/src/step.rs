@@ -15,7 +15,7 @@ use crate::step::break_bodies::break_bodies;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::step::stage_clock::StageClock;
 use crate::step::waiting::passed_on::{hit_through_others, pressed};
-use crate::step::waiting::start_and_advance;
+use crate::step::waiting::{Contacts, start_and_advance};
 use crate::world::World;
 use frangible_bodies::{BodyId, Drowsiness, Frame, Motion, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
@@ -52,9 +52,9 @@ fn advance(world: &mut World) -> StepReport {
     start_and_advance(world, &frame, advance_started)
 }
 
-/// [`advance`] once all have started that are known to be due; beside the report, waiting bodies
-/// that were hit nevertheless.
-fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Vec<BodyId>) {
+/// [`advance`] once all have started that are known to be due; beside the report, who touched
+/// whom.
+fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     let mut clock = StageClock::new(world.clock);
 
     // Overloaded bonds break.
@@ -143,7 +143,7 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Vec<BodyId>
         quarantined,
         stages: clock.laps,
     };
-    (report, hit)
+    (report, Contacts { hit, links: accounts.links })
 }
 
 /// Puts the bodies with paths where these begin the frame, and lets them move to where these end

@@ -165,6 +165,69 @@ fn a_blow_passes_on_through_others_within_the_frame() {
     }
 }
 
+/// Without gravity and apart, bodies that wait and bodies that rest are the same: of random boxes
+/// and balls that a ball flies into the same ones move, in the same frames and the same way, but for
+/// the points that contacts keep from frame to frame, and the number of substeps.
+#[test]
+fn random_bodies_move_as_if_they_had_been_free() {
+    let mut state = 7_u64;
+    let mut random = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31)
+    };
+    let (mut started, mut in_vain) = (0, 0);
+    for number in 0..60 {
+        let speed = [3.0, 6.0, 40.0][number % 3];
+        let mut bodies = vec![ball([-1.0, 0.05, 0.02], speed)];
+        for cell in 0..8 {
+            let place = [cell & 1, cell >> 1 & 1, cell >> 2]
+                .map(|side| 0.3 * f64::from(side) - 0.15 + 0.06 * random());
+            let shape = if random() < 0.5 {
+                ball([0.0; 3], 0.0).shape
+            } else {
+                block([0.14, 0.2, 0.1], place).shape
+            };
+            bodies.push(BodyDesc {
+                position: place,
+                orientation: [random(), random(), random(), 1.0],
+                density: 500.0 + 4000.0 * random(),
+                restitution: random(),
+                ..BodyDesc::new("body", shape)
+            });
+        }
+        // Those that start in each other are no bodies at rest.
+        let free = floating(bodies);
+        if !build(&free).penetrations().is_empty() {
+            continue;
+        }
+        let mut waits = free.clone();
+        waits.bodies.iter_mut().skip(1).for_each(|body| body.starts = STRUCK);
+        let (mut free, mut world) = (build(&free), build(&waits));
+        for frame in 0..7 {
+            step(&mut free);
+            advance(&mut world);
+            let (bodies, others, wait) = (world.bodies(), free.bodies(), waiting(&world));
+            for i in 0..bodies.len() {
+                let apart = bodies.poses[i].position.distance(others.poses[i].position);
+                let moves = others.velocities[i].linear.length();
+                let near = if speed < 10.0 { 0.02 } else { f64::INFINITY };
+                assert!(apart < near, "{apart} m in scene {number}, frame {frame}, body {i}");
+                assert!(
+                    !wait[i] || moves < 1e-3 || speed > 10.0 && frame > 0,
+                    "{moves} m/s in scene {number}, body {i}"
+                );
+            }
+        }
+        let moves = |i: &usize| free.bodies().velocities[*i].linear != DVec3::ZERO;
+        let has_started = |i: &usize| !waiting(&world)[*i];
+        started += (1..9).filter(has_started).count();
+        in_vain += (1..9).filter(|i| has_started(i) && !moves(i)).count();
+    }
+    assert!((40..250).contains(&started), "{started}");
+    assert!(in_vain == 0, "{in_vain} of {started}");
+}
+
 /// It breaks in the frame in which it is struck, like a body that is free; the pieces fly.
 #[test]
 fn what_waits_breaks_in_the_frame_of_the_blow() {

@@ -150,10 +150,7 @@ fn build_body(
 ) -> Result<(NewBody, Label), BuildError> {
     // Check the plain numbers before any work is done.
     let density = check_density(desc.density, at)?;
-    let friction = at.field("friction").not_negative(desc.friction)?;
-    let rolling_friction = at.field("rolling_friction").not_negative(desc.rolling_friction)?;
-    let spinning_friction = at.field("spinning_friction").not_negative(desc.spinning_friction)?;
-    let restitution = at.field("restitution").within(desc.restitution, 0.0, 1.0)?;
+    let surface = build_surface(desc, at)?;
     let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
     let linear = at.field("linear_velocity").bounded(desc.linear_velocity, MOST_SPEED, "m/s")?;
@@ -224,8 +221,7 @@ fn build_body(
     };
     let waiting = build_waiting(desc, velocity, is_anchored, method, &at.field("starts"))?;
     let motion = if waiting.is_some() { Motion::Static } else { motion };
-    let surface =
-        SurfaceProperties { friction, rolling_friction, spinning_friction, restitution, strength };
+    let surface = SurfaceProperties { strength, ..surface };
     let label = Label {
         name: desc.name.clone(),
         parent: None,
@@ -236,6 +232,17 @@ fn build_body(
         waiting,
     };
     Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
+}
+
+/// Surface of a body that does not break.
+fn build_surface(desc: &BodyDesc, at: &Checker) -> Result<SurfaceProperties, BuildError> {
+    Ok(SurfaceProperties {
+        friction: at.field("friction").not_negative(desc.friction)?,
+        rolling_friction: at.field("rolling_friction").not_negative(desc.rolling_friction)?,
+        spinning_friction: at.field("spinning_friction").not_negative(desc.spinning_friction)?,
+        restitution: at.field("restitution").within(desc.restitution, 0.0, 1.0)?,
+        strength: f64::INFINITY,
+    })
 }
 
 /// Path of a body, from poses of its shape's own frame.

@@ -1,6 +1,6 @@
 //! Blows that reach waiting bodies through others, known by the contact impulses of a frame.
 
-use crate::step::waiting::HIT_SPEED;
+use crate::step::waiting::state::least_hit;
 use crate::world::Label;
 use frangible_bodies::{Bodies, BodyId, Frame, Pair};
 use frangible_collision::{ImpulseCache, Manifold};
@@ -65,7 +65,7 @@ pub(crate) fn hit_through_others(
         let Some(free) = free else { return false };
         let weight = masses[free] * frame.gravity.length() * frame.dt;
         let rests = carried.map_or(0.0, |then| then.impulse) + weight;
-        now.impulse > BLOW_FACTOR * rests + HIT_SPEED * bodies.masses[free]
+        now.impulse > BLOW_FACTOR * rests + least_hit(frame) * bodies.masses[free]
     };
     after.iter().filter(is_blow).map(|now| now.body).collect()
 }
