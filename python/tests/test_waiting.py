@@ -6,8 +6,7 @@ from pathlib import Path
 import frangible
 import numpy as np
 import pytest
-from frangible import Body, Box, BuildError, HalfSpace, Scene, Sphere, World
-from frangible.scene_types import Starts
+from frangible import Body, Box, BuildError, HalfSpace, Scene, Sphere, Starts, World
 
 
 def scene(**starts: object) -> Scene:
