@@ -339,11 +339,20 @@ class World:
 
     @property
     def masses(self) -> npt.NDArray[np.float64]:
-        """(n,) [kg]; infinite for static and kinematic bodies."""
+        """(n,) [kg]; infinite for static and kinematic bodies. Of a body that waits, the mass that
+        it starts with."""
 
     @property
     def asleep(self) -> npt.NDArray[np.bool_]:
         """(n,) whether each slept in the last frame, where the scene has ``"sleep": true``."""
+
+    @property
+    def waiting(self) -> npt.NDArray[np.bool_]:
+        """(n,) whether each waits for its start: a body with ``starts``."""
+
+    def start(self, id: int) -> bool:
+        """Start a body that waits, with its initial velocities, from the next step on. False if it
+        does not wait."""
 
     @property
     def names(self) -> list[str]:
@@ -381,7 +390,7 @@ class World:
         """Give a dynamic or kinematic body a velocity, (3) each [m/s, rad/s], in the world frame.
 
         A kinematic body keeps it until it gets another. `BuildError` if the body lives no longer or
-        is static, or a number is not finite.
+        is static or waits, or a number is not finite.
         """
 
     def surface(

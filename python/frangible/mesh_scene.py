@@ -14,7 +14,7 @@ from ._frangible import BuildError
 from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, readable_mesh
 from .material_presets import PRESETS
 from .recording import Float64
-from .scene_types import Body, Breaking, HalfSpace, Mesh, SceneDesc, Sphere
+from .scene_types import Body, Breaking, HalfSpace, Mesh, SceneDesc, Sphere, Starts
 from .words import did_you_mean
 
 #: Metres in a unit.
@@ -25,9 +25,6 @@ _Z_UP = (-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
 FLIGHT = 0.5
 #: How long a scene goes on after the blow [s].
 AFTER = 2.0
-#: True if a body can wait: the mesh does, until it is struck. Until then what has no foot to stand
-#: on tips over before the ball arrives.
-WAITS = "starts" in Body.__dataclass_fields__
 #: [m/s^2]
 GRAVITY = np.array([0.0, -9.81, 0.0])
 
@@ -82,8 +79,8 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         bodies.insert(0, ground)
     frames = None
     if wishes.ball is not None:
-        if WAITS:
-            setattr(mesh, "starts", {"when": "struck"})
+        # What has no foot to stand on would tip over before the ball arrives.
+        mesh.starts = Starts(when="struck")
         flight = _Flight(wishes, frame, world, triangles, 0.5 * (low + high))
         if wishes.ground and flight.start[1] - flight.radius < low[1]:
             raise BuildError(
@@ -219,10 +216,8 @@ class _Flight:
         else:
             self.time = FLIGHT
         self.start: Float64 = touch - self.time * self.speed * self.direction
-        #: What falls together with the mesh flies straight at it.
-        self.velocity: Float64 = self.speed * self.direction - (
-            0.5 * self.time * GRAVITY if wishes.ground or WAITS else 0.0
-        )
+        #: The mesh does not fall meanwhile.
+        self.velocity: Float64 = self.speed * self.direction - 0.5 * self.time * GRAVITY
 
     def _touch(self, points: Float64, triangles: Float64, target: Float64) -> float:
         """How far from the target along its way the ball's centre is when it first touches: by the

@@ -39,6 +39,9 @@ class Energy(TypedDict):
     #: Growth of the ledger's banks in this frame: energy that was dissipated and may be spent
     #: again.
     banked: float
+    #: Kinetic and potential energy with which waiting bodies started in this frame; E(n) counts it.
+    #: Left out where an older version wrote the report.
+    started: NotRequired[float]
     #: E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
     #: this frame, or, if negative, was dissipated.
     gain: float
@@ -136,6 +139,8 @@ class StepReport(TypedDict):
     bodies: int
     #: How many of them slept in this frame, where the scene has ``"sleep": true``.
     asleep: int
+    #: How many wait for their start at the end of the frame.
+    waiting: NotRequired[int]
     #: Pairs of overlapping bounds that were not looked at, because too many bodies were in one
     #: place; 0 without such crowds.
     pairs_left_out: int

@@ -32,6 +32,9 @@ Sides = Literal["one", "two"]
 #: The cause of a body's motion.
 Motion = Literal["dynamic", "kinematic", "static"]
 
+#: An event that a body waits for.
+StartsWhen = Literal["struck"]
+
 #: Materials of the table, without densities.
 StrengthName = Literal["glass", "concrete", "brick", "wood", "ice"]
 
@@ -307,6 +310,18 @@ class Keyframe(Description):
     _: KW_ONLY
     #: As that of the body. Without it [0.0, 0.0, 0.0, 1.0].
     orientation: Numbers | None = None
+
+
+@dataclass(slots=True)
+class Starts(Description):
+    """When a body begins to move: at a frame, or when it is struck; one of the two. Until then it
+    holds still and is to others a body of infinite mass that does not break."""
+
+    _: KW_ONLY
+    #: At this frame it is still where it was, and moves from there, with its initial velocities.
+    frame: int | None = None
+    #: In the frame-rate method.
+    when: StartsWhen | None = None
 
 
 @dataclass(slots=True)
@@ -649,6 +664,8 @@ class Body(Description):
     #: first and after the last it stands still. Instead of `position`, `orientation` and
     #: velocities.
     path: list[Keyframe] | None = None
+    #: When a dynamic body begins to move; without it, at once.
+    starts: Starts | None = None
     #: From 1e-6 to 1e9 [kg/m^3]. Without it 2400.0.
     density: float | None = None
     #: Coulomb's coefficient; a pair has the smaller of its two. Without it 0.5.

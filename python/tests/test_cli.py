@@ -41,7 +41,9 @@ def test_a_run_ends_with_one_line_of_json(tmp_path: Path) -> None:
     shapes = {
         "bodies": {"start", "end", "quarantined"},
         "mass_kg": {"start", "end"},
-        "energy_J": {"start", "end", "work", "max_frame_gain", "scale", "dissipated", "banked"},
+        "energy_J": {
+            *("start", "end", "work", "started", "max_frame_gain", "scale", "dissipated", "banked")
+        },
         "momentum": {"linear_error", "angular_error"},
         "penetration_m": {"p50", "p99", "max"},
         "ms_per_frame": {"mean", "median", "p95", "max"},

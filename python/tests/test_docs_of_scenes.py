@@ -24,15 +24,50 @@ def blocks(page: str, language: str) -> list[str]:
 
 def test_the_scene_of_the_readme_breaks(tmp_path: Path) -> None:
     (text,) = blocks("README.md", "toml")
-    assert len(text.splitlines()) <= 20
+    assert sum(bool(line.strip()) for line in text.splitlines()) <= 15
     path = tmp_path / "scene.toml"
     path.write_text(text)
+    # The same in Python.
+    (script,) = (block for block in blocks("README.md", "python") if "Scene(" in block)
+    names: dict[str, object] = {}
+    exec(script.partition("frangible.run(")[0], names)
+    assert names["scene"] == Scene.load(path)
     recording = frangible.run(path, frames=6, threads=1)
     broken = [report for report in recording.reports if report["fractures"]]
     assert len(broken) == 1
     pieces = [body for body in recording.bodies if body.parent is not None]
     assert len(pieces) == pytest.approx(60, rel=0.1)
     assert {body.look for body in pieces} == {"concrete"}
+
+
+def test_the_film_of_the_readme_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("embreex")
+    monkeypatch.chdir(tmp_path)
+    Path("scene.toml").write_text(blocks("README.md", "toml")[0])
+    (command,) = (
+        line
+        for block in blocks("README.md", "sh")
+        for line in block.splitlines()
+        if "run scene.toml" in line
+    )
+    words = shlex.split(command.replace("--frames 30", "--frames 2"), comments=True)
+    assert main([*words[1:], "--quiet", "--threads", "1"]) == 0
+    assert Path("film.gif").stat().st_size > 0
+
+
+def test_what_waits_in_the_docs_does(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(blocks("docs/direction.md", "toml")[0])
+    recording = frangible.run(path, frames=20, threads=1)
+    vase, ball = recording.bodies[:2]
+    assert (ball.positions[:11] == ball.positions[0]).all()
+    assert (ball.positions[11] != ball.positions[0]).any()
+    (broken,) = (report for report in recording.reports if report["fractures"])
+    # It flies for 0.7 m, at 9 m/s.
+    assert broken["frame"] == vase.death_frame == 13
+    assert (vase.positions == vase.positions[0]).all()
 
 
 def test_materials_of_the_docs_build() -> None:

@@ -79,6 +79,37 @@ def up_of(one: dict[str, Any]) -> list[float]:
     return [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)]
 
 
+def test_bodies_wait_as_the_stage_says(read: Any) -> None:
+    """Asleep until they are struck, or until a frame of the timeline."""
+    asleep = "uniform bool physics:startsAsleep = 1"
+    velocity = "vector3f physics:velocity = (1, 0, 0)"
+    text = "\n".join(
+        [
+            a_prim("Cube", "sleeps", asleep + "\n" + moved("translate = (10, 0, 0)")),
+            a_prim("Cube", "wakes", moved("translate = (20, 0, 0)")),
+            a_prim(
+                *("Cube", "at", f"{velocity}\nint frangible:startsAtFrame = 1012\n{asleep}\n"),
+            ),
+            a_prim(
+                *("Cube", "early", "int frangible:startsAtFrame = 3\n"),
+            ),
+            a_prim(*("Cube", "moves", f"{velocity}\n{asleep}\n" + moved("translate = (30, 0, 0)"))),
+            a_prim("Cube", "led", f"bool physics:kinematicEnabled = 1\n{asleep}"),
+        ]
+    )
+    scene, notes = read(stage(text, more="startTimeCode = 1001\nendTimeCode = 1050"))
+    assert body(scene, "sleeps")["starts"] == {"when": "struck"}
+    assert body(scene, "at")["starts"] == {"frame": 11}
+    assert body(scene, "at")["linear_velocity"] == [1, 0, 0]
+    assert body(scene, "early")["starts"] == {"frame": 0}
+    for name in ("wakes", "moves", "led"):
+        assert "starts" not in body(scene, name)
+    (moving, led) = sorted(notes)
+    assert "starts asleep and moves" in moving and "/World/moves" in moving
+    assert "starts awake" in moving
+    assert "kinematic body that waits" in led and "follows its transform" in led
+
+
 @pytest.mark.parametrize(
     ("kind", "text", "shape"),
     [

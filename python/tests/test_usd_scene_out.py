@@ -64,6 +64,19 @@ def scenes() -> dict[str, dict[str, Any]]:
                 "position": [20, 0, 0],
             },
             {
+                "name": "hangs",
+                "shape": {"kind": "sphere", "radius": 0.25},
+                "position": [30, 0, 0],
+                "starts": {"when": "struck"},
+            },
+            {
+                "name": "later",
+                "shape": {"kind": "sphere", "radius": 0.25},
+                "position": [32, 0, 0],
+                "linear_velocity": [0, 1, 0],
+                "starts": {"frame": 5},
+            },
+            {
                 "name": "block",
                 "material": "granite",
                 "shape": {"kind": "box", "size": [1, 1, 1]},
@@ -112,6 +125,7 @@ def test_what_the_stage_says_itself_is_the_scene(tmp_path: Path) -> None:
         expected, found = World.build(scene, 1), World.build(back, 1)
         # The frames of bodies may be others, and meshes of singles.
         assert len(expected.ids) == len(found.ids), name
+        assert found.waiting.tolist() == expected.waiting.tolist(), name
         assert found.positions == pytest.approx(expected.positions, abs=1e-5), name
         finite = np.isfinite(expected.masses)
         assert found.masses[finite] == pytest.approx(expected.masses[finite], rel=1e-5), name

@@ -224,6 +224,16 @@ impl Bodies {
         id
     }
 
+    /// Lets a body move by its momentum, at a velocity.
+    pub fn make_dynamic(&mut self, i: usize, velocity: Velocity) {
+        let (shape, density) = (&self.shapes[i], self.densities[i]);
+        self.motions[i] = Motion::Dynamic;
+        self.masses[i] = density * shape.volume;
+        self.inertias[i] = Inertia::of(shape, density);
+        self.velocities[i] = velocity;
+        self.activities[i] = Activity::default();
+    }
+
     /// Removes the bodies whose entry in `gone` is true; the others keep their order. Returns, for
     /// each old dense index, the new one.
     pub fn remove(&mut self, gone: &[bool]) -> Vec<Option<usize>> {

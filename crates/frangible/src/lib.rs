@@ -41,6 +41,7 @@ pub use scene::desc::breaking::{
     StrengthDesc,
 };
 pub use scene::desc::read::{no_json, read, schema};
+pub use scene::desc::starts::{StartsDesc, StartsWhen};
 pub use scene::desc::{
     BodyDesc, KeyframeDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc,
     ShapeDesc, SidesDesc, SolverDesc,
@@ -49,6 +50,7 @@ pub use scene::fineness::{Fineness, Found};
 pub use scene::strength::Strength;
 pub use step::bonds::state::Bonds;
 pub use step::step;
+pub use step::waiting::state::{Starts, Waiting};
 pub use world::{Breaking, Label, World};
 
 /// The README's Rust is compiled and run with the doc tests.

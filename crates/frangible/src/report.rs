@@ -17,6 +17,8 @@ pub struct StepReport {
     pub bodies: usize,
     /// Number of bodies asleep in this frame.
     pub asleep: usize,
+    /// Number of bodies that wait to start, at the end of the frame.
+    pub waiting: usize,
     /// Number of overlapping pairs left out in crowds, where each body keeps its nearest pairs.
     /// Zero in scenes without crowds.
     pub pairs_left_out: usize,
@@ -56,6 +58,9 @@ pub struct Energy {
     pub work: f64,
     /// Growth of the ledger's banks in this frame: dissipated energy available for reuse.
     pub banked: f64,
+    /// Kinetic and potential energy with which waiting bodies started in this frame; E(n) counts
+    /// it.
+    pub started: f64,
     /// E(n+1) - E(n) - W, with what is in the banks counted as energy: what came out of nowhere in
     /// this frame, or, if negative, was dissipated.
     pub gain: f64,

@@ -7,4 +7,5 @@ pub(crate) mod desc;
 pub(crate) mod fineness;
 pub(crate) mod patterns;
 pub(crate) mod shapes;
+pub(crate) mod starts;
 pub(crate) mod strength;

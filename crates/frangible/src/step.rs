@@ -4,6 +4,8 @@ pub(crate) mod body_path;
 pub(crate) mod bonds;
 pub(crate) mod break_bodies;
 pub(crate) mod quarantine;
+mod stage_clock;
+pub(crate) mod waiting;
 
 use crate::report::books::{Totals, gravity_impulse};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
@@ -11,8 +13,11 @@ use crate::scene::desc::Method;
 use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::step::break_bodies::break_bodies;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
+use crate::step::stage_clock::StageClock;
+use crate::step::waiting::passed_on::{hit_through_others, pressed};
+use crate::step::waiting::{Contacts, start_and_advance};
 use crate::world::World;
-use frangible_bodies::{Drowsiness, Frame, Motion, Pose, accelerate, predict};
+use frangible_bodies::{BodyId, Drowsiness, Frame, Motion, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
 use frangible_dynamics::{
     Blow, Collisions, Contact, ContactFreeState, EnergyAtStart, FrameAccounts, Phase, Response,
@@ -41,29 +46,35 @@ const FEW: usize = 256;
 /// [`step`] on this thread, and on those of its pool if it has one.
 fn advance(world: &mut World) -> StepReport {
     let frame = world.frame_constants();
+
+    // Kinematic bodies are where their paths say, and bodies that wait start.
+    follow_paths(world);
+    start_and_advance(world, &frame, advance_started)
+}
+
+/// [`advance`] once all have started that are known to be due; beside the report, who touched
+/// whom.
+fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     let mut clock = StageClock::new(world.clock);
 
-    // Kinematic bodies are where their paths say.
-    follow_paths(world);
-
     // Overloaded bonds break.
-    let Freed { fractures: mut freed, blows } = free_overloaded(world, &frame);
+    let Freed { fractures: mut freed, blows } = free_overloaded(world, frame);
     clock.lap("free_overloaded");
 
     // Open the books.
-    let before = Totals::of(&world.bodies, &frame);
-    let energy_at_start = EnergyAtStart::new(&world.bodies, &frame);
+    let before = Totals::of(&world.bodies, frame);
+    let energy_at_start = EnergyAtStart::new(&world.bodies, frame);
     let bank = world.ledger.bank();
 
     // Bonds give way to blows.
-    let (mut broken, bond_accounts) = strike_bonds(world, &blows, &frame);
+    let (mut broken, bond_accounts) = strike_bonds(world, &blows, frame);
     clock.lap("strike_bonds");
 
     // Break what does not bear its blows, and move: collisions, contact, positions. Fragments meet
     // their striker in the frame that made them.
     let moved = match world.method {
-        Method::Paper => move_by_newmark(world, &frame, &mut clock),
-        Method::FrameRate => move_by_substeps(world, &frame, &mut clock),
+        Method::Paper => move_by_newmark(world, frame, &mut clock),
+        Method::FrameRate => move_by_substeps(world, frame, &mut clock),
     };
     let Moved {
         fractures,
@@ -74,6 +85,7 @@ fn advance(world: &mut World) -> StepReport {
         short_of_substeps,
         mut quarantined,
         before: solved_from,
+        hit,
     } = moved;
     world.end_sparing();
     accounts.add(bond_accounts);
@@ -86,7 +98,7 @@ fn advance(world: &mut World) -> StepReport {
         &mut world.bodies,
         &energy_at_start,
         &contact_free,
-        &frame,
+        frame,
         &mut accounts,
     );
     clock.lap("balance_energy");
@@ -95,7 +107,7 @@ fn advance(world: &mut World) -> StepReport {
     take_out(world, &culprits);
     quarantined.extend(culprits);
     take_out_faulty(world, &mut quarantined);
-    let after = Totals::of(&world.bodies, &frame);
+    let after = Totals::of(&world.bodies, frame);
     let banked = world.ledger.bank() - bank;
     // Frames with removed bodies have no comparable sums.
     let (energy, momentum) = if quarantined.is_empty() {
@@ -106,13 +118,14 @@ fn advance(world: &mut World) -> StepReport {
     };
     world.frame += 1;
     clock.lap("report");
-    StepReport {
+    let report = StepReport {
         frame: world.frame,
         time: world.time(),
         bodies: world.bodies.len(),
         pairs_left_out: left_out,
         short_of_substeps,
         asleep: world.bodies.ids.iter().filter(|&&id| world.is_asleep(id)).count(),
+        waiting: world.labels.iter().filter(|label| label.waiting.is_some()).count(),
         mass: after.mass,
         energy,
         momentum,
@@ -129,7 +142,8 @@ fn advance(world: &mut World) -> StepReport {
         },
         quarantined,
         stages: clock.laps,
-    }
+    };
+    (report, Contacts { hit, links: accounts.links })
 }
 
 /// Puts the bodies with paths where these begin the frame, and lets them move to where these end
@@ -166,6 +180,8 @@ struct Moved {
     quarantined: Vec<Quarantined>,
     /// State at the solver's start.
     before: Before,
+    /// Waiting bodies that a blow reached.
+    hit: Vec<BodyId>,
 }
 
 /// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: collisions, and two updates, each with
@@ -219,6 +235,7 @@ fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> 
         short_of_substeps: 0,
         quarantined: Vec::new(),
         before,
+        hit: Vec::new(),
     }
 }
 
@@ -249,20 +266,24 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     clock.lap("find_manifolds");
     let contact_free = ContactFreeState::new(bodies, predicted, &accounts, frame);
     let before = Before::of(bodies);
+    let carried = pressed(bodies, labels, &manifolds, warm, frame);
     let Solved { accounts: solver_accounts, gravity, short_of_substeps, confirmed } =
         solve(bodies, &manifolds, warm, frame);
     accounts.add(solver_accounts);
+    let as_solved = |Manifold { pair, points }| Manifold {
+        pair,
+        points: confirmed.get(&pair).map_or(points, Vec::as_slice),
+    };
+    let manifolds: Vec<Manifold> = manifolds.into_iter().map(as_solved).collect();
+    let pressed = pressed(bodies, labels, &manifolds, warm, frame);
+    let hit = hit_through_others(bodies, &manifolds, (&carried, &pressed), frame);
     // Contact forces load the bonds of glued bodies in the next frame.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
     if are_glued.contains(&true) {
         let is_of_one =
             |Manifold { pair, .. }: &Manifold| are_glued[pair.first] || are_glued[pair.second];
         let glued = manifolds.iter().copied().filter(is_of_one);
-        let as_solved = |Manifold { pair, points }| Manifold {
-            pair,
-            points: confirmed.get(&pair).map_or(points, Vec::as_slice),
-        };
-        let forces = contact_forces(bodies, glued.map(as_solved), warm);
+        let forces = contact_forces(bodies, glued, warm);
         note_carried(world, &forces);
     }
     clock.lap("solve");
@@ -276,6 +297,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         short_of_substeps,
         quarantined,
         before,
+        hit,
     }
 }
 
@@ -370,29 +392,4 @@ fn break_and_book(
 /// to resting contacts of the paper's method, which looks at where they will be.
 fn reach(frame: &Frame) -> f64 {
     frame.gravity.length() * frame.dt * frame.dt
-}
-
-/// Time of each stage by the caller's clock; a stage that runs several times has one sum.
-struct StageClock {
-    /// The caller's, if there is one [s].
-    now: Option<fn() -> f64>,
-    last: f64,
-    laps: Vec<(&'static str, f64)>,
-}
-
-impl StageClock {
-    fn new(now: Option<fn() -> f64>) -> Self {
-        Self { now, last: now.map_or(0.0, |now| now()), laps: Vec::new() }
-    }
-
-    /// Books the time since the last lap [ms] to a stage.
-    fn lap(&mut self, stage: &'static str) {
-        let now = self.now.map_or(0.0, |now| now());
-        let spent = 1e3 * (now - self.last);
-        self.last = now;
-        match self.laps.iter_mut().find(|lap| lap.0 == stage) {
-            Some(lap) => lap.1 += spent,
-            None => self.laps.push((stage, spent)),
-        }
-    }
 }

@@ -8,6 +8,7 @@ use crate::scene::fineness::Fineness;
 use crate::scene::strength::Strength;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
+use crate::step::waiting::state::{Starts, Waiting};
 use frangible_bodies::{
     Bodies, BodyId, Drowsiness, Frame, Motion, NewBody, StepSettings, Velocity,
 };
@@ -59,6 +60,20 @@ pub struct Label {
     pub bonds: Option<Box<Bonds>>,
     /// Given motion of a kinematic body, if any.
     pub path: Option<Box<BodyPath>>,
+    /// Of a body that has not started.
+    pub waiting: Option<Waiting>,
+}
+
+impl Label {
+    /// True for a glued body that does not wait.
+    pub(crate) fn may_lose_bonds(&self) -> bool {
+        self.bonds.is_some() && self.waiting.is_none()
+    }
+
+    /// True for a body that starts when it is struck, and has not been.
+    pub(crate) fn waits_for_blow(&self) -> bool {
+        self.waiting.is_some_and(|waiting| waiting.starts == Starts::WhenStruck)
+    }
 }
 
 /// A break need not meet the number of pieces that is asked for more closely: each try costs a
@@ -159,7 +174,7 @@ impl World {
     /// energy and momentum belongs to no step and no report.
     ///
     /// # Errors
-    /// If the body is gone or static, or a number is out of range.
+    /// If the body is gone, static or waiting, or a number is out of range.
     pub fn set_velocity(
         &mut self,
         id: BodyId,
@@ -171,6 +186,9 @@ impl World {
         let linear = at.field("linear").bounded(linear.to_array(), MOST_SPEED, "m/s")?;
         let angular = at.field("angular").bounded(angular.to_array(), MOST_SPIN, "rad/s")?;
         let dense = self.living(id)?;
+        if self.labels[dense].waiting.is_some() {
+            return Err(body.broken("waiting", "started before"));
+        }
         match self.bodies.motions[dense] {
             Motion::Static => return Err(body.broken("static", "dynamic or kinematic")),
             Motion::Kinematic { .. } => {
@@ -206,6 +224,30 @@ impl World {
         self.bodies.index_of(id).ok_or_else(broken)
     }
 
+    /// True if a body waits for its start; see [starts](crate::BodyDesc::starts).
+    pub fn is_waiting(&self, id: BodyId) -> bool {
+        self.bodies.index_of(id).is_some_and(|dense| self.labels[dense].waiting.is_some())
+    }
+
+    /// Starts a body that waits, with its initial velocities, from the next step on. Its energy and
+    /// momentum belong to no step and no report. False if it does not wait.
+    pub fn start(&mut self, id: BodyId) -> bool {
+        let waits = self.is_waiting(id);
+        if let (true, Some(dense)) = (waits, self.bodies.index_of(id)) {
+            self.start_at(dense);
+        }
+        waits
+    }
+
+    /// Mass of a living body that is dynamic, or will be once it starts [kg]; infinite for others.
+    pub fn mass(&self, id: BodyId) -> Option<f64> {
+        let dense = self.bodies.index_of(id)?;
+        let bodies = &self.bodies;
+        let waits = self.labels[dense].waiting.is_some();
+        let whole = || bodies.densities[dense] * bodies.shapes[dense].volume;
+        Some(if waits { whole() } else { bodies.masses[dense] })
+    }
+
     /// True if a body slept in the last frame; see [sleep](crate::SceneDesc::sleep).
     pub fn is_asleep(&self, id: BodyId) -> bool {
         let dense = self.bodies.index_of(id);
@@ -235,6 +277,13 @@ impl World {
     pub(crate) fn spawn(&mut self, body: NewBody, label: Label) -> BodyId {
         self.labels.push(label);
         self.bodies.spawn(body)
+    }
+
+    /// Starts a body if it waits.
+    pub(crate) fn start_at(&mut self, dense: usize) {
+        if let Some(waiting) = self.labels[dense].waiting.take() {
+            self.bodies.make_dynamic(dense, waiting.velocity);
+        }
     }
 
     /// Lets a body bear everything until the frame ends.

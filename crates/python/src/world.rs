@@ -213,13 +213,26 @@ impl World {
 
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_slice(py, &self.inner()?.world.bodies().masses))
+        let world = &self.inner()?.world;
+        let masses = world.bodies().ids.iter().filter_map(|&id| world.mass(id));
+        Ok(PyArray1::from_iter(py, masses))
     }
 
     #[getter]
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let world = &self.inner()?.world;
         Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| world.is_asleep(id))))
+    }
+
+    #[getter]
+    fn waiting<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let world = &self.inner()?.world;
+        Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| world.is_waiting(id))))
+    }
+
+    /// Start a body that waits.
+    fn start(&self, id: u64) -> PyResult<bool> {
+        Ok(self.inner()?.world.start(id_from_number(id)))
     }
 
     #[getter]

@@ -44,7 +44,13 @@ def summarise(
     """
     gains = [report["energy"]["gain"] for report in reports]
     kinetics = [energy[0], *(report["energy"]["kinetic"] for report in reports)]
-    potentials = [energy[1], *(report["energy"]["potential"] for report in reports)]
+    started = [report["energy"].get("started", 0.0) for report in reports]
+    # Relative to what has started by then.
+    entered = np.cumsum(started).tolist()
+    potentials = [
+        energy[1],
+        *(report["energy"]["potential"] - of for report, of in zip(reports, entered, strict=True)),
+    ]
     penetrations = np.concatenate(depths)
     stages: dict[str, float] = {}
     for report in reports:
@@ -75,6 +81,7 @@ def summarise(
             "start": sum(energy),
             "end": reports[-1]["energy"]["total"],
             "work": math.fsum(report["energy"]["work"] for report in reports),
+            "started": math.fsum(started),
             "dissipated": -math.fsum(gains),
             "banked": math.fsum(report["energy"]["banked"] for report in reports),
             "max_frame_gain": max(gains),

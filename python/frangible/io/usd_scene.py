@@ -28,6 +28,7 @@ from .usd_mesh import missing_files
 from .usd_notes import Notes
 from .usd_others import name_others
 from .usd_poses import is_animated, keyframes
+from .usd_starts import add_start
 from .usd_stage import metres_from_stage, number_of, open_stage, short_number, time_code
 
 #: Earth's gravity, where a stage leaves it open [m/s^2].
@@ -225,10 +226,8 @@ class _Importer:
         return {**fields, **fracture}
 
     def _add_motion(self, fields: dict[str, Any], body: StageBody) -> None:
-        """Velocities, which are in the space of the prim's parent."""
+        """Velocities, which are in the space of the prim's parent, and when it starts."""
         api = UsdPhysics.RigidBodyAPI(body.prim)
-        if api.GetStartsAsleepAttr().Get(self.time):
-            self.notes.add("body that starts asleep", body.name, "starts awake")
         parent = body.prim.GetParent()
         above = np.eye(4)
         if parent and not parent.IsPseudoRoot() and not body.is_instanced:
@@ -246,6 +245,7 @@ class _Importer:
             numbers = np.radians([short_number(number) for number in angular])
             moved = numbers @ frame_of(above @ self.world).rotation
             fields["angular_velocity"] = [number + 0.0 for number in moved.tolist()]
+        add_start(fields, body, self.range.start, self.time, self.notes)
 
     def _add_density(
         self,

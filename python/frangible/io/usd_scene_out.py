@@ -21,6 +21,7 @@ from .usd_fracture import write_fracture
 from .usd_frames import rotation_of
 from .usd_scene import import_stage
 from .usd_stage import mark
+from .usd_starts import write_start
 
 #: The marker of a stage that a scene was written as.
 SCENE = "scene"
@@ -120,6 +121,7 @@ class _Writer:
             api.CreateAngularVelocityAttr(Gf.Vec3f(*turned))
         if motion == "dynamic":
             UsdPhysics.MassAPI.Apply(prim).CreateDensityAttr(float(self._value(body, "density")))
+            write_start(prim, body)
             write_fracture(prim, said)
 
     def _value(self, body: dict[str, Any], field: str) -> Any:

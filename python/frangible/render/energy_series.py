@@ -21,8 +21,8 @@ class EnergySeries:
     kinetic: Float64
     #: (n,) relative to its lowest value [J].
     potential: Float64
-    #: (n,) what there was before the first step, and the work that has entered since [J]; the zero
-    #: is that of ``total``.
+    #: (n,) what there was before the first step, and the work and the bodies that have entered since
+    #: [J]; the zero is that of ``total``.
     available: Float64
     #: (n,) dissipated energy that the ledger's banks hold, to be spent again [J].
     bank: Float64
@@ -66,6 +66,7 @@ def _series(recording: Recording) -> EnergySeries:
         np.array([energy[key] for energy in energies])
         for key in ("kinetic", "potential", "work", "banked", "gain")
     )
+    started = np.array([energy.get("started", 0.0) for energy in energies])
     # Energy that enters comes first.
     causes = sorted(energies[0]["causes"], key=lambda cause: cause != "work")
     changes = {
@@ -75,7 +76,9 @@ def _series(recording: Recording) -> EnergySeries:
 
     # Before the first step there was the total less all changes since.
     total = kinetic + potential
-    start = total[0] - (gain - banked + work)[0]
+    if started.any():
+        changes = {"started": started, **changes}
+    start = total[0] - (gain - banked + work + started)[0]
     # Bodies that were taken out of the world took energy along, which the reports do not count as a
     # change.
     if any(report["quarantined"] for report in reports):
@@ -87,7 +90,7 @@ def _series(recording: Recording) -> EnergySeries:
         times=np.array([report["time"] for report in reports]),
         kinetic=kinetic,
         potential=potential - lowest,
-        available=start - lowest + np.cumsum(work),
+        available=start - lowest + np.cumsum(work + started),
         bank=np.cumsum(banked),
         causes={cause: np.cumsum(change) for cause, change in changes.items()},
         linear=np.array([momentum["linear"] for momentum in momenta]),

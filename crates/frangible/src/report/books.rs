@@ -140,6 +140,7 @@ impl Books {
             potential: after.potential,
             total: after.energy(),
             work: accounts.causes.work + accounts.recovery,
+            started: 0.0,
             banked,
             gain: change + banked - accounts.causes.work - accounts.recovery,
             causes: Causes::of(&accounts.causes, change),

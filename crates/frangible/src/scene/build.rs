@@ -12,6 +12,7 @@ use crate::scene::desc::{
 use crate::scene::fineness::Fineness;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
+use crate::scene::starts::build_waiting;
 use crate::scene::strength::Strength;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
@@ -161,10 +162,7 @@ fn build_body(
 ) -> Result<(NewBody, Label), BuildError> {
     // Check the plain numbers before any work is done.
     let density = check_density(desc.density, at)?;
-    let friction = at.field("friction").not_negative(desc.friction)?;
-    let rolling_friction = at.field("rolling_friction").not_negative(desc.rolling_friction)?;
-    let spinning_friction = at.field("spinning_friction").not_negative(desc.spinning_friction)?;
-    let restitution = at.field("restitution").within(desc.restitution, 0.0, 1.0)?;
+    let surface = build_surface(desc, at)?;
     let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
     let linear = at.field("linear_velocity").bounded(desc.linear_velocity, MOST_SPEED, "m/s")?;
@@ -233,11 +231,30 @@ fn build_body(
         MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
         MotionDesc::Static => (Motion::Static, Velocity::default()),
     };
-    let surface =
-        SurfaceProperties { friction, rolling_friction, spinning_friction, restitution, strength };
-    let label =
-        Label { name: desc.name.clone(), parent: None, look: desc.look, breaking, bonds, path };
+    let waiting = build_waiting(desc, velocity, is_anchored, method, &at.field("starts"))?;
+    let motion = if waiting.is_some() { Motion::Static } else { motion };
+    let surface = SurfaceProperties { strength, ..surface };
+    let label = Label {
+        name: desc.name.clone(),
+        parent: None,
+        look: desc.look,
+        breaking,
+        bonds,
+        path,
+        waiting,
+    };
     Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
+}
+
+/// Surface of a body that does not break.
+fn build_surface(desc: &BodyDesc, at: &Checker) -> Result<SurfaceProperties, BuildError> {
+    Ok(SurfaceProperties {
+        friction: at.field("friction").not_negative(desc.friction)?,
+        rolling_friction: at.field("rolling_friction").not_negative(desc.rolling_friction)?,
+        spinning_friction: at.field("spinning_friction").not_negative(desc.spinning_friction)?,
+        restitution: at.field("restitution").within(desc.restitution, 0.0, 1.0)?,
+        strength: f64::INFINITY,
+    })
 }
 
 /// Path of a body, from poses of its shape's own frame.

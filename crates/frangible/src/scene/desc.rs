@@ -3,10 +3,12 @@
 pub(crate) mod breaking;
 pub(crate) mod defaults;
 pub(crate) mod read;
+pub(crate) mod starts;
 
 use breaking::{BondsDesc, BreakingDesc};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use starts::StartsDesc;
 
 /// Initial state of a world. SI units, y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -134,6 +136,9 @@ pub struct BodyDesc {
     /// velocities.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub path: Vec<KeyframeDesc>,
+    /// When a dynamic body begins to move; without it, at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub starts: Option<StartsDesc>,
     /// From 1e-6 to 1e9 [kg/m^3].
     #[serde(default = "defaults::density")]
     pub density: f64,
@@ -482,6 +487,7 @@ impl BodyDesc {
             linear_velocity: [0.0; 3],
             angular_velocity: [0.0; 3],
             path: Vec::new(),
+            starts: None,
             density: defaults::density(),
             friction: defaults::half(),
             rolling_friction: 0.0,

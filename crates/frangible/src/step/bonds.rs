@@ -33,7 +33,7 @@ pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
     let mut overloaded = Vec::new();
     for body in 0..world.bodies.len() {
         // Few are glued.
-        if world.labels[body].bonds.is_none() {
+        if !world.labels[body].may_lose_bonds() {
             continue;
         }
         let (field, density) = (field_in_pieces(world, body, frame), world.bodies.densities[body]);

@@ -146,6 +146,7 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
         }),
         bonds: None,
         path: None,
+        waiting: None,
     }
 }
 

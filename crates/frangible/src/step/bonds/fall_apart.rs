@@ -85,6 +85,7 @@ fn island_body(
         breaking: None,
         bonds,
         path: None,
+        waiting: None,
     };
     let mut body = fragment_body(
         &world.bodies,

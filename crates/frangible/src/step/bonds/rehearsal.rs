@@ -62,7 +62,7 @@ fn at_rest(frame: &Frame) -> f64 {
 /// way; and how many short steps their ways take.
 fn members(world: &World, frame: &Frame) -> (Vec<usize>, usize) {
     let (mut members, mut steps) = (Vec::new(), 1);
-    let is_glued = |i: usize| world.labels[i].bonds.is_some();
+    let is_glued = |i: usize| world.labels[i].may_lose_bonds();
     if !(0..world.bodies.len()).any(is_glued) {
         return (members, steps);
     }
@@ -173,7 +173,8 @@ impl Stage {
                 velocity: bodies.velocities[i],
                 surface: bodies.surfaces[i],
             };
-            let Label { look, bonds, .. } = world.labels[i].clone();
+            let Label { look, bonds, waiting, .. } = world.labels[i].clone();
+            let bonds = if waiting.is_some() { None } else { bonds };
             let label = Label {
                 name: String::new(),
                 parent: None,
@@ -181,6 +182,7 @@ impl Stage {
                 breaking: None,
                 bonds,
                 path: None,
+                waiting: None,
             };
             origins.insert(stage.spawn(body, label), bodies.ids[i]);
         }
