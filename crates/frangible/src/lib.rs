@@ -19,8 +19,10 @@
 //! # Ok::<(), frangible::BuildError>(())
 //! ```
 
+mod fingerprint;
 mod report;
 mod scene;
+mod snapshot;
 mod step;
 mod world;
 
@@ -46,7 +48,9 @@ pub use scene::desc::{
     ShapeDesc, SidesDesc, SolverDesc,
 };
 pub use scene::fineness::{Fineness, Found};
+pub use scene::pattern_choice::PatternChoice;
 pub use scene::strength::Strength;
+pub use snapshot::SnapshotError;
 pub use step::bonds::state::Bonds;
 pub use step::step;
 pub use world::{Breaking, Label, World};

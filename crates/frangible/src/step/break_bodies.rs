@@ -60,7 +60,7 @@ pub(crate) fn break_bodies(
             impulse: blow.impulse,
             borne: blow.borne,
             energy: spent,
-            wanted: breaking.pieces.as_ref().map(|(wanted, _)| *wanted),
+            wanted: breaking.choice.wanted(),
             fragments: vec![0; born.len() - first],
             imbalance: imbalance(&world.bodies, parent, born[first..].iter().map(|(body, _)| body)),
         });
@@ -99,7 +99,7 @@ fn crack(
     let mut can_split = false;
     let shape = world.bodies.shapes[parent].clone();
     let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
-    for (pattern, fragments) in (0..).map_while(|step| breaking.cut(step, cut)) {
+    for (pattern, fragments) in (0..).map_while(|step| breaking.choice.cut(step, cut)) {
         if fragments.len() < 2 {
             continue;
         }
