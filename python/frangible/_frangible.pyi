@@ -294,6 +294,10 @@ class World:
         rule.
         """
 
+    @property
+    def volumes(self) -> npt.NDArray[np.float64]:
+        """(n,) [m^3]; 0 for bodies without a volume."""
+
     def snapshot(self) -> bytes:
         """All of the state, for `restore`."""
 

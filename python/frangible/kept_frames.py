@@ -173,6 +173,7 @@ def seen_body(record: Record) -> SeenBody:
         id=fields["id"],
         name=fields["name"],
         mass=fields["mass"],
+        volume=fields["volume"],
         look=fields["look"],
         surface=(
             arrays["vertices"],

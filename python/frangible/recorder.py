@@ -35,6 +35,8 @@ class SeenBody:
     id: int
     name: str
     mass: float
+    #: [m^3]
+    volume: float
     look: str | None
     #: Of `World.surface`.
     surface: tuple[Float32, UInt32, Bool, Float32]
@@ -246,6 +248,7 @@ class Recorder:
         new = [row for row, body_id in enumerate(ids) if body_id not in known.material_frames]
         if new:
             names, parents, masses, looks = world.names, world.parents, world.masses, world.looks
+            volumes = world.volumes
             for row in new:
                 frame = world.material_frame(ids[row])
                 parent = known.parents.get(ids[row]) if parents[row] is None else parents[row]
@@ -253,6 +256,7 @@ class Recorder:
                     id=ids[row],
                     name=names[row],
                     mass=float(masses[row]),
+                    volume=float(volumes[row]),
                     look=looks[row],
                     surface=world.surface(ids[row]),
                     material_frame=frame,
@@ -302,6 +306,7 @@ def assemble(
                 orientations=path.orientations,
                 skin=own_skin,
                 before=body.before,
+                volume=body.volume,
             )
         )
     shot, method, fps = named

@@ -73,6 +73,9 @@ class Body:
     #: (7,) its position [m] and orientation a frame before its birth, as a part of the body that
     #: this frame shows in its place; `None` for bodies of the scene, and in older caches.
     before: Float64 | None = None
+    #: [m^3], exact where its surface is in single precision; 0 for bodies without a volume, `None`
+    #: in older caches.
+    volume: float | None = None
 
     def __repr__(self) -> str:
         last = "" if self.death_frame is None else f" to {self.death_frame - 1}"

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 #: What ends the names of such folders.
 ENDING = ".part"
 
-#: Writing checkpoints takes at most this part of the time of a run: the next waits nineteen times as
-#: long as the last took. Of `rain-100` one takes 40 ms, and a frame 130.
+#: Writing checkpoints takes at most this part of the time of a run: the next one waits nineteen
+#: times as long as the last one took. Of `rain-100` one takes 40 ms, and a frame 130.
 _SHARE = 0.05
 
 
@@ -77,6 +77,7 @@ class RunFolder(KeptFrames):
             "id": body.id,
             "name": body.name,
             "mass": body.mass,
+            "volume": body.volume,
             "look": body.look,
             "parent": body.parent,
             "material_frame": body.material_frame,

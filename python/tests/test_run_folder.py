@@ -19,32 +19,10 @@ from frangible.cli import main
 from frangible.io.npz import Parts, write_arrays
 from frangible.journal import Journal, read_journal
 from frangible.kept_frames import kept_frames
+from kill_and_resume import command, facts, killed
 
 #: A run of half a second, which breaks after three frames.
 RUN = ["run", "pane", "--frames", "25", "--quiet"]
-
-
-def command(*arguments: str) -> list[str]:
-    return [sys.executable, "-m", "frangible", *arguments]
-
-
-def facts(recording: Recording) -> list[object]:
-    """All of a recording, but for times."""
-    reports = [{**report, "stages": []} for report in recording.reports]
-    bodies = [
-        [
-            *(body.id, body.name, body.parent, body.source, body.birth_frame, body.death_frame),
-            *(body.mass, body.look),
-            *(
-                array.tobytes()
-                for array in (body.vertices, body.triangles, body.interior, body.coordinates)
-            ),
-            *(body.positions.tobytes(), body.orientations.tobytes()),
-            None if body.before is None else body.before.tobytes(),
-        ]
-        for body in recording.bodies
-    ]
-    return [recording.shot, recording.fps, recording.frames, reports, bodies]
 
 
 @pytest.fixture(scope="module")
@@ -62,24 +40,7 @@ def test_what_is_kept_on_a_disk_is_what_memory_holds(whole: Path) -> None:
     assert facts(Recording.load(whole)) == facts(run("pane", frames=25))
 
 
-def killed(path: Path, frames: int, arguments: list[str]) -> int:
-    """Start a run, kill it once it keeps so many frames; how many it kept."""
-    with subprocess.Popen(command(*arguments, "--out", str(path)), stderr=subprocess.PIPE) as run:
-        journal = f"{path}.part/frames"
-        length = 0
-        while run.poll() is None:
-            if os.path.exists(journal) and os.path.getsize(journal) != length:
-                length = os.path.getsize(journal)
-                if kept_frames(f"{path}.part") >= frames:
-                    run.send_signal(signal.SIGKILL)
-                    break
-            time.sleep(0.002)
-    return kept_frames(f"{path}.part")
-
-
-def test_a_killed_run_goes_on_to_the_same_bits(
-    whole: Path, tmp_path: Path
-) -> None:
+def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> None:
     """Killed three times at random."""
     path = tmp_path / "pane.npz"
     kills = sorted(random.Random(44).sample(range(1, 22), 3))

@@ -197,6 +197,14 @@ impl World {
         Ok(PyArray1::from_slice(py, &self.inner()?.world.bodies().masses))
     }
 
+    /// Of the shapes; 0 for those without a volume.
+    #[getter]
+    fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let inner = self.inner()?;
+        let shapes = &inner.world.bodies().shapes;
+        Ok(PyArray1::from_iter(py, shapes.iter().map(|shape| shape.volume)))
+    }
+
     #[getter]
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let world = &self.inner()?.world;

@@ -3,7 +3,8 @@
 ===================== ================== ===========================================================
 key                   shape and type     meaning
 ===================== ================== ===========================================================
-``format``            () int64           version of this table, 5; 4 had no ``before``, 3 no skins
+``format``            () int64           version of this table, 6; 5 had no ``volumes``, 4 no
+                                         ``before``, 3 no skins
 ``shot``              () str             name of the shot
 ``method``            () str             which step advanced a frame
 ``fps``               () float64         frames per second
@@ -40,6 +41,7 @@ key                   shape and type     meaning
                                          ``normal_offsets[i:i+2]``, none without any
 ``before``            (b, 7) float64     a frame before its birth, as a part of its parent; NaN for
                                          none
+``volumes``           (b,) float64       [m^3], 0 for bodies without a volume, NaN for none
 ``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
 ``reports``           () str             the report of every step, as JSON
 ``convention``        () str             axes, unit and first time of USD, as JSON; none in older
@@ -67,7 +69,7 @@ from .npz import Parts, write_arrays
 from .reading import file_fault
 from .skin_cache import no_constant, offsets, read_skins, rows, skin_arrays
 
-FORMAT = 5
+FORMAT = 6
 
 
 def write_npz(recording: Recording, path: str) -> None:
@@ -104,6 +106,9 @@ def write_npz(recording: Recording, path: str) -> None:
         "convention": np.array(recording.convention.to_json()),
         **skin_arrays(bodies),
         "before": rows([_before(body)[None] for body in bodies], (0, 7), np.float64),
+        "volumes": np.array(
+            [np.nan if body.volume is None else body.volume for body in bodies], np.float64
+        ),
     }
     write_arrays(path, arrays)
 
@@ -145,6 +150,8 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
     skins = read_skins(arrays)
     none = np.zeros(len(arrays["ids"]), np.bool_)
     has_before = ~np.isnan(arrays["before"][:, 0]) if "before" in arrays else none
+    volumes = arrays.get("volumes", np.full(len(arrays["ids"]), np.nan))
+    has_volume = ~np.isnan(volumes)
     for i, body_id in enumerate(arrays["ids"].tolist()):
         vertex_rows, triangle_rows, pose_rows = (
             slice(*firsts[i : i + 2]) for firsts in (vertices, triangles, poses)
@@ -168,6 +175,7 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
                 orientations=arrays["orientations"][pose_rows],
                 skin=skins[i],
                 before=arrays["before"][i] if has_before[i] else None,
+                volume=float(volumes[i]) if has_volume[i] else None,
             )
         )
     return Recording(
