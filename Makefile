@@ -18,7 +18,7 @@ PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frang
 PLAYER := python/frangible/player.html
 PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src -type f)
 
-.PHONY: help build demo verify claims soak oracle explore test test-rust test-python test-web test-wasm test-blender clean
+.PHONY: help build demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -42,6 +42,9 @@ claims: build ## Measure it and write the table of docs/claims.md anew
 
 soak: ## Check what takes minutes: figure 8 with 100 and 1000 balls
 	cargo test --release --locked -p frangible-shots --test fractures -- --ignored --nocapture
+
+resume: build ## Kill a run of rain-100 at ten random places: it goes on to the same bits; minutes
+	$(BIN)/python python/tests/kill_and_resume.py rain-100 10
 
 oracle: ## Compare contacts with an oracle in a million pairs of every two shapes: hours
 	ORACLE_PAIRS=$${ORACLE_PAIRS:-1000000} cargo test --release --locked -p frangible-collision --lib \

@@ -71,7 +71,9 @@ def test_ctrl_c_keeps_the_run_and_its_outputs(whole: Path, tmp_path: Path) -> No
     assert facts(Recording.load(path)) == facts(Recording.load(whole))
 
 
-def test_a_full_disk_says_one_sentence_and_keeps_what_was_there(whole: Path, tmp_path: Path) -> None:
+def test_a_full_disk_says_one_sentence_and_keeps_what_is_there(
+    whole: Path, tmp_path: Path
+) -> None:
     """The frames do not fit, or they do and the cache does not; with room again the run goes on."""
     path = tmp_path / "pane.npz"
     path.write_bytes(whole.read_bytes())

@@ -148,8 +148,9 @@ _VOLUMES: dict[str, _Rule] = {
     "volumes": _Rule(
         "f",
         ("b",),
-        lambda volumes: np.isnan(volumes) | ((volumes >= 0.0) & (volumes <= 1e30)),
-        "from 0 to 1e+30, or NaN",
+        # The longest sides are 1e6 m.
+        lambda volumes: np.isnan(volumes) | ((volumes >= 0.0) & (volumes <= 2e18)),
+        "from 0 to 2e+18, or NaN",
     ),
 }
 #: The rows that each array of offsets shares out among the bodies, or among images.
