@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from frangible import CacheError, Recording
+from frangible.bench import summary
 from frangible.cli import main
 from frangible.io.npz import Parts, write_arrays
 from frangible.journal import Journal, read_journal
@@ -185,3 +186,22 @@ def test_a_folder_that_is_none_of_ours_says_so(name: str, tmp_path: Path) -> Non
         (tmp_path / name).write_bytes(b"no records")
     with pytest.raises(CacheError, match="is not the folder of a run"):
         Recording.load(tmp_path)
+
+
+def test_percentiles_of_many_depths_are_within_a_thousandth(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawn = np.random.default_rng(44).exponential(1e-3, (50, 400))
+    drawn[::7] = 0.0
+    few, many = summary.Depths(), summary.Depths()
+    for depths in drawn:
+        few.add(depths)
+    monkeypatch.setattr(summary, "_MOST_DEPTHS", 3000)
+    for depths in drawn:
+        many.add(depths)
+    for percent in (50, 90, 99):
+        expected = np.percentile(drawn, percent)
+        assert few.percentile(percent) == expected
+        assert many.percentile(percent) == pytest.approx(expected, rel=2e-3)
+    assert few.percentile(100) == many.percentile(100) == drawn.max()
+    assert summary.Depths().percentile(50) == 0.0
