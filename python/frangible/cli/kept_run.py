@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import sys
+import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -47,12 +48,16 @@ class KeptRun:
 
     def __init__(self, outputs: Sequence[str], described: Sequence[Any]) -> None:
         """``described`` is all that decides what is simulated, and how it looks."""
-        # Beside a file that will be one: not beside a pipe.
-        beside = [path for path in outputs if not os.path.exists(path) or os.path.isfile(path)]
-        beside += [path for path in outputs if os.path.isdir(path)]
-        self.path = (beside or ["frangible"])[0].rstrip("/") + ENDING
         text = json.dumps(described, sort_keys=True, default=str)
         self._identity = hashlib.sha256(text.encode()).hexdigest()
+        # Beside a file or a folder: who may write a pipe may not write beside it.
+        beside = [
+            path
+            for path in outputs
+            if not os.path.exists(path) or os.path.isfile(path) or os.path.isdir(path)
+        ]
+        elsewhere = os.path.join(tempfile.gettempdir(), f"frangible-{self._identity[:16]}")
+        self.path = (beside[0].rstrip("/") if beside else elsewhere) + ENDING
         self._folder: RunFolder | None = None
         self._recorder: Recorder | None = None
         self._named = ("", 0.0)
