@@ -23,7 +23,7 @@ ENGINE := web/engine
 VECTORS := +simd128
 PLAYGROUND := web/dist/playground/playground.html
 
-.PHONY: help build web demo verify claims soak oracle explore test test-rust test-python test-web test-wasm test-blender clean
+.PHONY: help build web demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -47,6 +47,9 @@ claims: build ## Measure it and write the table of docs/claims.md anew
 
 soak: ## Check what takes minutes: figure 8 with 100 and 1000 balls
 	cargo test --release --locked -p frangible-shots --test fractures -- --ignored --nocapture
+
+resume: build ## Kill a run of rain-100 at ten random places: it goes on to the same bits; minutes
+	$(BIN)/python python/tests/kill_and_resume.py rain-100 10
 
 oracle: ## Compare contacts with an oracle in a million pairs of every two shapes: hours
 	ORACLE_PAIRS=$${ORACLE_PAIRS:-1000000} cargo test --release --locked -p frangible-collision --lib \

@@ -25,7 +25,8 @@ from .breaking.break_mesh import break_mesh
 from .errors import CacheError, OutputError
 from .pieces import Piece, Pieces
 from .recording import Body as RecordedBody
-from .recording import Recorder, Recording
+from .recorder import Recorder
+from .recording import Recording
 from .report import StepReport
 from .scene_file import Scene
 from .scene_schema import scene_schema

@@ -294,6 +294,21 @@ class World:
         rule.
         """
 
+    @property
+    def volumes(self) -> npt.NDArray[np.float64]:
+        """(n,) [m^3]; 0 for bodies without a volume."""
+
+    def snapshot(self) -> bytes:
+        """All of the state, for `restore`."""
+
+    @staticmethod
+    def restore(snapshot: bytes, threads: int = 0) -> World:
+        """The world of a snapshot, whose next frames are those of the world that wrote it, to the
+        bit.
+
+        `BuildError` if the bytes are not those of a snapshot of this version.
+        """
+
     def step(self) -> StepReport:
         """Advance by one frame, without the interpreter lock, and report on it."""
 

@@ -18,7 +18,7 @@ from .skin import Skin
 
 if TYPE_CHECKING:
     from ._frangible import World
-    from .scene_looks import Laid
+    from .laid import Laid
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -29,8 +29,8 @@ Bool = npt.NDArray[np.bool_]
 #: Called after every frame with the number of frames done and the number of living bodies.
 ProgressCallback = Callable[[int, int], None]
 
-#: Called after every step with its report.
-StepCallback = Callable[[StepReport], None]
+#: Called after every step with its report, and the wall-clock time of the step alone [ms].
+StepCallback = Callable[[StepReport, float], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -73,6 +73,9 @@ class Body:
     #: (7,) its position [m] and orientation a frame before its birth, as a part of the body that
     #: this frame shows in its place; `None` for bodies of the scene, and in older caches.
     before: Float64 | None = None
+    #: [m^3], exact where its surface is in single precision; 0 for bodies without a volume, `None`
+    #: in older caches.
+    volume: float | None = None
 
     def __repr__(self) -> str:
         last = "" if self.death_frame is None else f" to {self.death_frame - 1}"
@@ -136,9 +139,13 @@ class Recording:
         skins: dict[int, Laid] | None = None,
     ) -> Recording:
         """Step a world and keep everything it shows; `ValueError` without a frame to record."""
+        from .recorder import Recorder
+
         check_frames(frames)
         recorder = Recorder(world, skins)
-        step_frames(world, frames, on_step=recorder.capture, progress=progress)
+        step_frames(
+            world, frames, on_step=lambda report, _: recorder.capture(report), progress=progress
+        )
         return recorder.finish(shot, fps if fps is not None else 1.0 / world.dt)
 
     def body(self, body_id: int) -> Body:
@@ -186,166 +193,18 @@ def step_frames(
     on_step: StepCallback,
     progress: ProgressCallback | None = None,
     stop: Callable[[], bool] = lambda: False,
-) -> list[float]:
-    """Step a world ``frames`` times, or until ``stop`` says so after a step; the wall-clock time of
-    each step alone [ms]."""
-    step_ms = []
-    for frame in range(1, frames + 1):
+    done: int = 0,
+) -> None:
+    """Step a world ``frames`` times, of which ``done`` are behind it, or until ``stop`` says so
+    after a step."""
+    for frame in range(done + 1, frames + 1):
         begin = time.perf_counter()
         report = world.step()
-        step_ms.append(1e3 * (time.perf_counter() - begin))
-        on_step(report)
+        on_step(report, 1e3 * (time.perf_counter() - begin))
         if progress is not None:
             progress(frame, report["bodies"])
         if stop():
             break
-    return step_ms
-
-
-class Recorder:
-    """Keeps the frames of a world that somebody steps, and each surface when its body is first
-    seen."""
-
-    def __init__(self, world: World, skins: dict[int, Laid] | None = None) -> None:
-        """``skins`` are those of `scene_skins`, for bodies that are meshes."""
-        self.world = world
-        ids = world.ids.tolist()
-        self._skins = {ids[number]: skin for number, skin in (skins or {}).items()}
-        # Kept for each body; and for each fragment, where it was before it broke off.
-        self._material_frames: dict[int, tuple[list[float], list[float]]] = {}
-        self._before: dict[int, Float64] = {}
-        self.reports: list[StepReport] = []
-        # Kept for each frame: ids (n,), positions (n, 3), orientations (n, 4).
-        self._ids: list[npt.NDArray[np.uint64]] = []
-        self._positions: list[Float64] = []
-        self._orientations: list[Float64] = []
-        # Kept for each body, in order of appearance: name, mass, look and surface.
-        self._seen: dict[int, tuple[str, float, str | None, Float32, UInt32, Bool, Float32]] = {}
-        # Also knows the fragments that broke again before a frame showed them.
-        self._parents: dict[int, int] = {}
-        self._capture_state()
-
-    def finish(self, shot: str, fps: float) -> Recording:
-        """Everything kept so far."""
-        return Recording(
-            shot, self.world.method, fps, len(self.reports), self._bodies(), self.reports
-        )
-
-    def capture(self, report: StepReport) -> None:
-        """Keep the state that a step led to, and its report."""
-        self.reports.append(report)
-        # A fragment's parents may have come and gone within the frame.
-        for fracture in report["fractures"]:
-            for fragment in fracture["fragments"]:
-                self._parents[fragment] = fracture["body"]
-        self._capture_state()
-
-    def _capture_state(self) -> None:
-        world = self.world
-        ids = world.ids
-        self._ids.append(ids)
-        self._positions.append(world.positions)
-        self._orientations.append(world.orientations)
-
-        # Bodies that appear for the first time.
-        new = [row for row, body_id in enumerate(ids.tolist()) if body_id not in self._seen]
-        if not new:
-            return
-        names, parents, masses, looks = world.names, world.parents, world.masses, world.looks
-        for row in new:
-            body_id = int(ids[row])
-            self._seen[body_id] = (
-                names[row],
-                float(masses[row]),
-                looks[row],
-                *world.surface(body_id),
-            )
-            self._material_frames[body_id] = world.material_frame(body_id)
-            parent = parents[row]
-            if parent is not None:
-                self._parents[body_id] = parent
-        if len(self._ids) > 1:
-            self._place_in_parents([int(ids[row]) for row in new])
-
-    def _place_in_parents(self, fragments: list[int]) -> None:
-        """Keep where fragments were in the frame before, as parts of a body that it shows."""
-        rows = {body_id: row for row, body_id in enumerate(self._ids[-2].tolist())}
-        for fragment in fragments:
-            parent = self._parents.get(fragment)
-            while parent is not None and parent not in rows:
-                parent = self._parents.get(parent)
-            if parent is None:
-                continue
-            # Both have the same material: its place in the world, then the fragment's in it.
-            row = rows[parent]
-            position, orientation = self._positions[-2][row], self._orientations[-2][row]
-            origin, turn = (np.array(part) for part in self._material_frames[parent])
-            own_origin, own_turn = (np.array(part) for part in self._material_frames[fragment])
-            turned = product(orientation, product(turn, own_turn * [-1.0, -1.0, -1.0, 1.0]))
-            moved = rotation_matrix(orientation) @ origin - rotation_matrix(turned) @ own_origin
-            self._before[fragment] = np.concatenate([position + moved, turned])
-
-    def _bodies(self) -> list[Body]:
-        # Gather the rows of every body, in frame order.
-        ids = np.concatenate(self._ids)
-        frame_of_row = np.repeat(np.arange(len(self._ids)), [len(ids) for ids in self._ids])
-        order = np.argsort(ids, kind="stable")
-        positions = np.concatenate(self._positions)[order]
-        orientations = np.concatenate(self._orientations)[order]
-        frame_of_row = frame_of_row[order]
-        unique_ids, first = np.unique(ids[order], return_index=True)
-        past = np.append(first[1:], len(ids))
-
-        # A body that the last frame does not show died the frame after its last row.
-        last_frame = len(self._ids) - 1
-        laid = self._laid()
-        bodies = []
-        for body_id, begin, end in zip(
-            unique_ids.tolist(), first.tolist(), past.tolist(), strict=True
-        ):
-            name, mass, look, vertices, triangles, interior, coordinates = self._seen[body_id]
-            skin = None
-            if body_id in laid:
-                skin, coordinates = laid[body_id]
-            death = int(frame_of_row[end - 1]) + 1
-            bodies.append(
-                Body(
-                    id=body_id,
-                    name=name,
-                    parent=self._parents.get(body_id),
-                    source=self._source(body_id),
-                    birth_frame=int(frame_of_row[begin]),
-                    death_frame=None if death > last_frame else death,
-                    mass=mass,
-                    look=look,
-                    vertices=vertices,
-                    triangles=triangles,
-                    interior=interior,
-                    coordinates=coordinates,
-                    positions=positions[begin:end],
-                    orientations=without_sign_flips(orientations[begin:end]),
-                    skin=skin,
-                    before=self._before.get(body_id),
-                )
-            )
-        return sorted(bodies, key=lambda body: (body.birth_frame, body.id))
-
-    def _laid(self) -> dict[int, tuple[Skin, Float32]]:
-        """Skin and texture coordinates of each body that is a part of a mesh, all parts of one at
-        once."""
-        laid: dict[int, tuple[Skin, Float32]] = {}
-        for source, skin in self._skins.items():
-            own = [body_id for body_id in self._seen if self._source(body_id) == source]
-            found = skin.lay_on(
-                [(self._seen[body_id][3:], self._material_frames[body_id]) for body_id in own]
-            )
-            laid.update(zip(own, found, strict=True))
-        return laid
-
-    def _source(self, body_id: int) -> int:
-        while body_id in self._parents:
-            body_id = self._parents[body_id]
-        return body_id
 
 
 def without_sign_flips(orientations: Float64) -> Float64:

@@ -98,9 +98,35 @@ class Imbalance(TypedDict):
     kinetic_energy: float
 
 
-class Fracture(TypedDict):
-    """A body broke."""
+class RestPose(TypedDict):
+    """Where a piece lay in its parent."""
 
+    #: Of its centre of mass, in the parent's body frame [m].
+    position: list[float]
+    #: ``parent_from_piece``, a unit quaternion x, y, z, w.
+    orientation: list[float]
+
+
+class PieceContact(TypedDict):
+    """The common surface of two pieces."""
+
+    #: Both by their number in ``fragments``, the smaller first.
+    pieces: list[int]
+    #: [m^2]
+    area: float
+    #: Mean of its points, in the parent's body frame [m].
+    point: list[float]
+    #: Unit, from the first piece to the second, in the parent's body frame; the mean where the
+    #: surface is not flat.
+    normal: list[float]
+
+
+class Fracture(TypedDict):
+    """A body broke. Caches of format 5 and older have no ``time``, ``rest_poses`` and
+    ``contacts``."""
+
+    #: Start of the frame, when the pieces took the body's place [s].
+    time: float
     #: The broken body; it lives no longer.
     body: int
     #: The striker.
@@ -117,6 +143,10 @@ class Fracture(TypedDict):
     wanted: NotRequired[int]
     #: Its fragments.
     fragments: list[int]
+    #: Where each fragment lay in the body.
+    rest_poses: list[RestPose]
+    #: Fragments that touched in the body, each pair once.
+    contacts: list[PieceContact]
     imbalance: Imbalance
 
 

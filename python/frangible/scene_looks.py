@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from ._frangible import BuildError
 from .io.image_files import image_file
+from .laid import Laid, Recorded
 from .materials import Colour, Image, Material
-from .recording import Bool, Float32, UInt32
+from .recording import Float32
 from .skin import Skin
 from .words import did_you_mean, shown
-
-#: A surface, with the frame of its material in the body frame, as `scene_skins` has it.
-Recorded = tuple[tuple[Float32, UInt32, Bool, Float32], tuple[list[float], list[float]]]
 
 #: Fields of a side that are shares from 0 to 1, and what they are without being said.
 _SHARES = {"roughness": 0.8, "metallic": 0.0, "opacity": 1.0}
@@ -27,13 +25,6 @@ _COLOURS = ("colour", "emission")
 SIDE = ("name", *_COLOURS, *_SHARES, *_IMAGES)
 #: Fields of a look.
 FIELDS = ("outside", "inside", "tile")
-
-
-class Laid(Protocol):
-    """Anything that lays skins on the surfaces of bodies."""
-
-    def lay_on(self, surfaces: list[Recorded]) -> list[tuple[Skin, Float32]]:
-        """The skins and the texture coordinates of the surfaces."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,9 +13,10 @@ from .breaking.mesh_skin import MeshSkin, read_skin
 from .breaking.volumes import volumes_differ
 from .io.material_files import Known
 from .io.mesh_files import readable_bodies
+from .laid import Laid, Recorded
 from .recording import Float32, Float64, rotation_matrix
 from .scene_lines import FileScene
-from .scene_looks import Laid, Recorded, own_looks, scene_folder_file
+from .scene_looks import own_looks, scene_folder_file
 from .scene_materials import with_materials
 from .skin import Skin
 

@@ -76,6 +76,10 @@ class ScriptedWorld:
         return np.array([{0: np.inf, 1: 2.0, 2: 1.0}.get(i, 0.5) for i in self.ids.tolist()])
 
     @property
+    def volumes(self) -> Any:
+        return np.where(np.isfinite(self.masses), 1e-3 * self.masses, 0.0)
+
+    @property
     def names(self) -> list[str]:
         return [{0: "ground", 1: "slab"}.get(i, f"slab.{i}") for i in self.ids.tolist()]
 

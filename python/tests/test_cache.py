@@ -83,6 +83,8 @@ def test_an_undamaged_cache_is_read(scripted: Recording, tmp_path: Path) -> None
         ("before", one(2, np.nan), "before: NaN for the body 2, must be finite for what broke off"),
         ("before", one(0, [0, 0, 0, 0, 0, 0, 1]), "before: finite for the body 0, must be"),
         ("before", None, "has no key 'before'"),
+        ("volumes", None, "has no key 'volumes'"),
+        ("volumes", one(1, -1.0), "volumes: -1.0, must be from 0 to 2e.18, or NaN"),
         ("paths", None, "has no key 'paths'"),
         ("paths", lambda paths: np.array(["[1]"] * len(paths)), r"paths: .\[1\]., must be a list"),
         ("image_offsets", [0, 1], "image_offsets: must ascend from 0 to 0"),
@@ -112,7 +114,7 @@ def test_what_breaks_a_rule_is_named(
 #: What damage makes of one entry.
 DAMAGE = (-1, 2**31 - 1, 2**63 - 1, float("nan"), float("inf"), -1e300)
 #: Arrays whose entries may be any of these numbers, within a rule of their own.
-FREE = {"vertices", "coordinates", "positions", "before", "orientations"}
+FREE = {"vertices", "coordinates", "positions", "before", "orientations", "volumes"}
 
 
 @pytest.mark.parametrize("place", [0, 1, 2])
@@ -142,7 +144,11 @@ def test_each_entry_of_each_array_is_read_in_range_or_not_at_all(
     # A coordinate may be -1, and a body 2**31 m away.
     others = {key for key, _ in taken} - FREE - {"masses", "material"}
     assert not others, others
-    allowed = {"material": {-1}, "masses": {2**31 - 1, 2**63 - 1, float("inf")}}
+    allowed = {
+        "material": {-1},
+        "masses": {2**31 - 1, 2**63 - 1, float("inf")},
+        "volumes": {2**31 - 1, DAMAGE[3]},
+    }
     assert all(value in allowed.get(key, {-1, 2**31 - 1}) for key, value in taken), taken
 
 

@@ -106,3 +106,15 @@ def test_commands_of_the_docs_are_understood(
         without_output = words[2 : words.index("--out")]
         assert main(["scene", *without_output]) == 0, command
     assert '"name": "ball"' in capsys.readouterr().out
+
+
+def test_the_python_of_the_caches_page_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    frangible.run("pane", frames=6).save("pane.npz")
+    for text in blocks("docs/caches.md", "python"):
+        exec(compile(text, "docs/caches.md", "exec"), {})
+    said = capsys.readouterr().out
+    found = re.fullmatch(r"a pane of \[.*\] m, with (.*) m\^2 of cracks\n", said)
+    assert found is not None and float(found[1]) > 0.01

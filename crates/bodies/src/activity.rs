@@ -1,7 +1,9 @@
 //! The activity of a body in the last frames.
 
+use serde::{Deserialize, Serialize};
+
 /// The activity of a body in the last frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Activity {
     /// Of its island in the last frame.
     pub substeps: Substeps,
@@ -10,7 +12,7 @@ pub struct Activity {
 }
 
 /// The substeps of an island; none if it touched nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Substeps {
     /// Number of substeps taken.
     pub count: u32,
@@ -26,7 +28,7 @@ impl Substeps {
 }
 
 /// The calm of a body, by which it falls asleep, from frame to frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Drowsiness {
     /// Number of consecutive frames as a slow body with unchanged neighbours and no driven body in
     /// its island.

@@ -4,10 +4,11 @@ use crate::activity::Activity;
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Names a body for as long as it lives; a slot's next tenant has another generation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct BodyId {
     /// Slot.
     pub index: u32,
@@ -16,7 +17,7 @@ pub struct BodyId {
 }
 
 /// Rule for the motion of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Motion {
     /// Never moves.
     Static,
@@ -32,7 +33,7 @@ pub enum Motion {
 }
 
 /// Surface properties of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceProperties {
     /// Coulomb's coefficient; a pair has the smaller of its two.
     pub friction: f64,
@@ -96,7 +97,7 @@ pub struct NewBody {
 }
 
 /// Dense arrays, one entry for each living body, in order of birth.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Bodies {
     /// Ids of the bodies.
     pub ids: Vec<BodyId>,
@@ -113,6 +114,7 @@ pub struct Bodies {
     /// [kg/m^3]
     pub densities: Vec<f64>,
     /// Geometry, samples, mass properties.
+    #[serde(with = "frangible_math::shared")]
     pub shapes: Vec<Arc<Shape>>,
     /// Radii of bounding balls around the centres of mass [m]; infinite for half-spaces.
     pub radii: Vec<f64>,
@@ -124,7 +126,7 @@ pub struct Bodies {
 }
 
 /// Which dense entry an id stands for.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Slots {
     generation: Vec<u32>,
     dense: Vec<Option<u32>>,
@@ -132,7 +134,7 @@ struct Slots {
 }
 
 /// Sparse per-body values keyed by [`BodyId`]; stale generations read as absent.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PerBody<T>(Vec<Option<(u32, T)>>);
 
 impl<T> Default for PerBody<T> {

@@ -1,9 +1,10 @@
 //! The numbers of a step, with their sources.
 
 use frangible_math::Width;
+use serde::{Deserialize, Serialize};
 
 /// Iteration counts of `Method::Paper` (the authors' values), and switches of both methods.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StepSettings {
     /// Passes over all colliding pairs [GBF03 sec. 4].
     pub collision_passes: u32,
@@ -47,11 +48,16 @@ pub struct StepSettings {
     /// frame-rate method does.
     pub sleep: bool,
     /// The widest instructions to use. All of them give the same bits.
+    #[serde(skip, default = "widest")]
     pub width: Width,
 }
 
+fn widest() -> Width {
+    StepSettings::default().width
+}
+
 /// The rule by which a free body turns. All of them keep angular momentum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Rotation {
     /// The closed form: kinetic energy and orientation to round-off at any rate (docs/adr/008).
     Exact,

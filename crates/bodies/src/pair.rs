@@ -1,9 +1,10 @@
 //! Two bodies.
 
 use crate::bodies::{Bodies, BodyId};
+use serde::{Deserialize, Serialize};
 
 /// A pair of bodies, by dense index; the first has the smaller one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Pair {
     /// Body on which an impulse `j` acts.
     pub first: usize,

@@ -3,9 +3,10 @@
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
 use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Pose of a body at one time level.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Centre of mass, world frame [m].
     pub position: DVec3,
@@ -15,7 +16,7 @@ pub struct Pose {
 
 /// Velocity of a body at one time level. Storing angular momentum and deriving angular velocity
 /// makes free flight conserve angular momentum by construction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Velocity {
     /// Of the centre of mass, world frame [m/s].
     pub linear: DVec3,
@@ -24,7 +25,7 @@ pub struct Velocity {
 }
 
 /// Mass and inertia of a body; infinite for static and kinematic bodies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inertia {
     /// [1/kg]; zero for infinite mass.
     pub inverse_mass: f64,

@@ -4,10 +4,11 @@
 use crate::manifold::ManifoldPoint;
 use crate::manifold::list::Manifolds;
 use frangible_bodies::{Bodies, BodyId, Pair};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Tolerated overlaps of fragment pairs: the overlap at birth, or the smallest since.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct BirthFits {
     /// Tolerated overlap of each pair [m].
     overlaps: BTreeMap<[BodyId; 2], f64>,

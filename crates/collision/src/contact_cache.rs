@@ -23,6 +23,7 @@ use crate::narrow_phase::pair_motion::PairMotion;
 use crate::relative_motion::{moved, moved_between, placed, second_from_first};
 use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
 use frangible_math::threads;
+use serde::{Deserialize, Serialize};
 
 /// Maximum relative motion of a cached manifold, in units of the smaller body's radius: a body on
 /// an edge overhangs it by as much before tipping.
@@ -33,15 +34,18 @@ const MAX_MOTION: f64 = 0.03;
 const MARGIN: f64 = 0.2;
 
 /// Manifolds of the last frame, in birth order of their bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ContactCache {
     /// One entry per body of the last frame.
     paths: Vec<PathLength>,
     /// One chunk per task.
     chunks: Vec<CacheChunk>,
     /// Chunks of the previous frame.
+    #[serde(skip)]
     last: Vec<CacheChunk>,
+    #[serde(skip)]
     finders: Vec<ManifoldFinder>,
+    #[serde(skip)]
     found: Manifolds,
 }
 
@@ -49,7 +53,7 @@ pub struct ContactCache {
 const SHARE: usize = 1024;
 
 /// Accumulated motion of a body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct PathLength {
     id: BodyId,
     pose: Pose,

@@ -4,13 +4,14 @@ use crate::manifold::{FeatureId, Manifold};
 use frangible_bodies::{Bodies, BodyId, Pair, PerBody};
 use frangible_math::threads;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Pairs per lookup task: about ten microseconds of work.
 const SHARE: usize = 1024;
 
 /// Contact impulses of the last substep of a frame.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ImpulseCache {
     /// One list per chunk.
     points: Vec<Vec<CachedImpulse>>,
@@ -21,7 +22,7 @@ pub struct ImpulseCache {
 }
 
 /// Location of a pair's points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct CachedPair {
     /// Dense indices in the cached frame.
     pair: Pair,
@@ -39,7 +40,7 @@ pub struct ImpulseChunk {
 }
 
 /// Cached impulse of a contact point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CachedImpulse {
     /// Feature of the point.
     pub feature: FeatureId,
@@ -48,7 +49,7 @@ pub struct CachedImpulse {
 }
 
 /// Impulse at a contact point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointImpulse {
     /// Normal component, not negative [N s].
     pub normal: f32,

@@ -4,9 +4,10 @@ pub(crate) mod list;
 
 use frangible_bodies::{Bodies, Pair, Pose};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// A vertex, edge pair or surface sample of a pair of bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct FeatureId {
     /// True for a feature of the first body.
     pub is_of_first: bool,

@@ -13,11 +13,12 @@ use frangible_geometry::outer;
 use frangible_geometry::{Geometry, HalfSpace, Hull, PlaneClipper, Shape};
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Strength of a bond [Pa].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BondStrength {
     /// Across it.
     pub tension: f64,
@@ -26,8 +27,9 @@ pub struct BondStrength {
 }
 
 /// Convex pieces with a bond at each common face; all in the frame of the body before it broke.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Glued {
+    #[serde(with = "frangible_math::shared")]
     hulls: Vec<Arc<Hull>>,
     /// Of each piece, in the body that all of them were first glued together in.
     numbers: Vec<u32>,
@@ -48,7 +50,7 @@ struct Rigid {
 }
 
 /// A force at a point, both in the pieces' frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointLoad {
     /// [m]
     pub point: DVec3,

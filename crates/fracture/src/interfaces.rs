@@ -6,8 +6,9 @@ pub(crate) mod meshes;
 pub(crate) mod voxels;
 
 use crate::fragment::Fragment;
-use crate::interfaces::interface::Interface;
-use frangible_geometry::{Geometry, Hull};
+use crate::interfaces::interface::{Contacts, Interface};
+use frangible_geometry::{Geometry, Shape};
+use frangible_math::RigidTransform;
 
 /// The contacts between the pieces of one break, in the order of `a`, then of `b`.
 ///
@@ -27,22 +28,25 @@ use frangible_geometry::{Geometry, Hull};
 /// [`shatter`](crate::shatter) returns them; convex polyhedra may be any that do not overlap, each
 /// placed in the common frame.
 pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
-    let hulls: Option<Vec<Hull>> = fragments
-        .iter()
-        .map(|fragment| {
-            Some(fragment.shape.hull.as_deref()?.transformed(&fragment.parent_from_fragment))
-        })
-        .collect();
-    if let Some(hulls) = hulls {
-        return hulls::contacts(&hulls);
+    let placed = |fragment: &Fragment| fragment.parent_from_fragment;
+    let placed: Vec<(&Shape, RigidTransform)> =
+        fragments.iter().map(|fragment| (&fragment.shape, placed(fragment))).collect();
+    interfaces_between(&placed)
+}
+
+/// The same of shapes with their body frames in the parent's. Compounds touch where polyhedra of
+/// two of them do.
+pub fn interfaces_between(pieces: &[(&Shape, RigidTransform)]) -> Vec<Interface> {
+    if let Some(interfaces) = between_polyhedra(pieces) {
+        return interfaces;
     }
 
     // All pieces of one break have the same grid frame.
-    let Some(first) = fragments.first() else { return Vec::new() };
-    let parent_from_grid = first.parent_from_fragment.after(&first.shape.body_from_grid);
-    let solids: Option<Vec<_>> = fragments
+    let Some((first, parent_from_first)) = pieces.first() else { return Vec::new() };
+    let parent_from_grid = parent_from_first.after(&first.body_from_grid);
+    let solids: Option<Vec<_>> = pieces
         .iter()
-        .map(|fragment| match &fragment.shape.geometry {
+        .map(|(shape, _)| match &shape.geometry {
             Geometry::Grid(solid) => Some(&**solid),
             Geometry::ClosedForm(_)
             | Geometry::Hull(_)
@@ -56,4 +60,33 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
         ..contact
     };
     voxels::contacts(&solids.unwrap_or_default()).into_iter().map(place).collect()
+}
+
+/// Of convex polyhedra and compounds of them; `None` if a piece is neither.
+fn between_polyhedra(pieces: &[(&Shape, RigidTransform)]) -> Option<Vec<Interface>> {
+    let (mut hulls, mut piece_of_hull) = (Vec::new(), Vec::new());
+    for (number, (shape, parent_from_piece)) in pieces.iter().enumerate() {
+        match (&shape.hull, &shape.compound) {
+            (Some(hull), _) => hulls.push(hull.transformed(parent_from_piece)),
+            (None, Some(compound)) => hulls.extend(
+                compound.parts().iter().map(|part| part.hull.transformed(parent_from_piece)),
+            ),
+            (None, None) => return None,
+        }
+        piece_of_hull.resize(hulls.len(), number);
+    }
+    let contacts = hulls::contacts(&hulls);
+    if hulls.len() == pieces.len() {
+        return Some(contacts);
+    }
+
+    // Hulls of one piece have smaller numbers than those of the next.
+    let mut sums = Contacts::default();
+    for contact in contacts {
+        let (a, b) = (piece_of_hull[contact.a], piece_of_hull[contact.b]);
+        if a != b {
+            sums.add((a, b), contact.area * contact.normal, contact.centroid);
+        }
+    }
+    Some(sums.into_interfaces())
 }

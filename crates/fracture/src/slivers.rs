@@ -2,9 +2,10 @@
 
 use frangible_geometry::{MassProperties, Shape};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// The bounds below which a part is a sliver, and no piece of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Smallest {
     /// Of the mean volume of the pieces of one break (a ratio). Default 1e-4.
     pub part: f64,

@@ -12,9 +12,10 @@ use crate::interfaces::interface::Interface;
 use frangible_geometry::parallel_axis;
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// A rigid piece at unit density.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidPiece {
     /// Centre of mass, in the frame that all pieces share [m].
     pub center: DVec3,
@@ -47,7 +48,7 @@ impl RigidPiece {
 
 /// A force [N] and a torque about a piece's centre [N m]; or a displacement [m] and a rotation
 /// [rad] of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Wrench {
     /// Force, or displacement.
     pub linear: DVec3,

@@ -19,8 +19,10 @@
 //! # Ok::<(), frangible::BuildError>(())
 //! ```
 
+mod fingerprint;
 mod report;
 mod scene;
+mod snapshot;
 mod step;
 mod world;
 
@@ -31,6 +33,7 @@ pub use frangible_dynamics as dynamics;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;
 pub use frangible_math as math;
+pub use report::at_rest::{PieceContact, RestPose};
 pub use report::{
     Causes, Energy, Fracture, Imbalance, Impulses, Momentum, Quarantined, StepReport,
     id_from_number, id_number,
@@ -47,7 +50,9 @@ pub use scene::desc::{
     ShapeDesc, SidesDesc, SolverDesc,
 };
 pub use scene::fineness::{Fineness, Found};
+pub use scene::pattern_choice::PatternChoice;
 pub use scene::strength::Strength;
+pub use snapshot::SnapshotError;
 pub use step::bonds::state::Bonds;
 pub use step::step;
 pub use step::waiting::state::{Starts, Waiting};

@@ -1,7 +1,9 @@
 //! Report of one frame, with energy and momentum accounts.
 
+pub(crate) mod at_rest;
 pub(crate) mod books;
 
+use crate::report::at_rest::{PieceContact, RestPose};
 use frangible_bodies::BodyId;
 use frangible_dynamics as dynamics;
 use serde::Serialize;
@@ -153,6 +155,8 @@ pub struct Impulses {
 /// A body broke.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fracture {
+    /// Start of the frame, when the pieces took the body's place [s].
+    pub time: f64,
     /// The broken body; its id is no longer alive.
     pub body: u64,
     /// The striker; the body itself if its bonds gave way under load.
@@ -172,6 +176,10 @@ pub struct Fracture {
     pub wanted: Option<usize>,
     /// Fragments of the body.
     pub fragments: Vec<u64>,
+    /// Where each fragment lay in the body.
+    pub rest_poses: Vec<RestPose>,
+    /// Fragments that touched in the body, each pair once.
+    pub contacts: Vec<PieceContact>,
     /// Relative change of the body's mass, momentum, angular momentum and kinetic energy by the
     /// break: round-off.
     pub imbalance: Imbalance,

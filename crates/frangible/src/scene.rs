@@ -5,6 +5,7 @@ pub(crate) mod build;
 pub(crate) mod check;
 pub(crate) mod desc;
 pub(crate) mod fineness;
+pub(crate) mod pattern_choice;
 pub(crate) mod patterns;
 pub(crate) mod shapes;
 pub(crate) mod starts;

@@ -1,10 +1,11 @@
 //! The world: bodies, how they break, and the books.
 
+use crate::fingerprint::Fnv1a;
 use crate::report::books::{Books, Totals};
 use crate::report::id_number;
 use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::{LookDesc, Method};
-use crate::scene::fineness::Fineness;
+use crate::scene::pattern_choice::PatternChoice;
 use crate::scene::strength::Strength;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
@@ -14,13 +15,14 @@ use frangible_bodies::{
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetrations};
 use frangible_dynamics::Ledger;
-use frangible_fracture::{Fragment, Pattern, ShatterSettings};
+use frangible_fracture::ShatterSettings;
 use frangible_geometry::Surface;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Bodies in motion. Built from a [`crate::scene::desc::SceneDesc`], advanced by [`crate::step`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct World {
     pub(crate) bodies: Bodies,
     /// One entry for each body, in the order of `bodies`.
@@ -41,11 +43,12 @@ pub struct World {
     /// Bodies temporarily unbreakable in the running frame, with their own strength [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
     /// The caller's [s], for the report.
+    #[serde(skip)]
     pub(crate) clock: Option<fn() -> f64>,
 }
 
 /// Engine data of a body, unused by dynamics.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Label {
     /// From the scene; a fragment has its parent's with a number.
     pub name: String,
@@ -76,18 +79,12 @@ impl Label {
     }
 }
 
-/// A break need not meet the number of pieces that is asked for more closely: each try costs a
-/// break.
-const PIECES_WITHIN: f64 = 0.1;
-
 /// Fracture data of a body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Breaking {
-    /// Patterns of prescored space: first as described, then ever coarser, for blows with less
-    /// energy than all cracks need.
-    pub patterns: Vec<Arc<Pattern>>,
-    /// Number of pieces, if given, and the patterns to choose from.
-    pub pieces: Option<(usize, Arc<Fineness>)>,
+    /// Patterns of prescored space.
+    #[serde(with = "frangible_math::shared")]
+    pub choice: Arc<PatternChoice>,
     /// Strength of the body.
     pub strength: Strength,
     /// Resolution of the fragments.
@@ -96,30 +93,6 @@ pub struct Breaking {
     pub generations: u32,
     /// Minimum length of breakable bodies [m].
     pub smallest: f64,
-}
-
-impl Breaking {
-    /// The pattern of a step, at first as fine as described, then ever coarser, and the fragments
-    /// that it makes; `None` beyond the coarsest.
-    pub(crate) fn cut(
-        &self,
-        step: usize,
-        shatter: impl Fn(&Pattern) -> Vec<Fragment>,
-    ) -> Option<(Arc<Pattern>, Vec<Fragment>)> {
-        let Some((pieces, fineness)) = &self.pieces else {
-            return self.patterns.get(step).map(|pattern| (pattern.clone(), shatter(pattern)));
-        };
-        let wanted = pieces >> step.min(usize::BITS as usize - 1);
-        if wanted < 2 {
-            return None;
-        }
-        let attempt = |pattern: &Pattern| {
-            let fragments = shatter(pattern);
-            (fragments.len(), fragments)
-        };
-        let found = fineness.search(wanted, PIECES_WITHIN, attempt)?;
-        Some((found.pattern, found.made))
-    }
 }
 
 impl World {
@@ -330,23 +303,6 @@ impl World {
             velocity.linear.to_array().into_iter().for_each(|x| hash.add(x.to_bits()));
             velocity.angular_momentum.to_array().into_iter().for_each(|x| hash.add(x.to_bits()));
         }
-        hash.0
-    }
-}
-
-/// 64-bit FNV-1a [FNV]: a fixed function, unlike the standard library's hasher.
-struct Fnv1a(u64);
-
-impl Default for Fnv1a {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Fnv1a {
-    fn add(&mut self, word: u64) {
-        for byte in word.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
+        hash.digest()
     }
 }

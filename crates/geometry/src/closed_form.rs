@@ -5,11 +5,12 @@ use crate::half_space::HalfSpace;
 use crate::mass_properties::MassProperties;
 use crate::revolved::{Revolved, RevolvedEnd};
 use glam::{DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// A shape whose signed distance, gradient and mass properties are formulas. Its centre of mass is
 /// the origin of its frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ClosedForm {
     /// The ground: everything below a plane. Has no volume, so it can only be static.
     HalfSpace(HalfSpace),

@@ -8,17 +8,33 @@ use crate::mass_properties::{MassProperties, parallel_axis};
 use crate::mesh::Surface;
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// Convex polyhedra in one frame. Parts may touch; common faces are *glued*: the space between is
 /// inside. The mass of overlaps counts twice.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "CompoundRecord")]
 pub struct Compound {
     parts: Vec<Part>,
+    #[serde(skip_serializing)]
     tree: Bvh,
 }
 
+/// What a snapshot holds of a compound.
+#[derive(Deserialize)]
+struct CompoundRecord {
+    parts: Vec<Part>,
+}
+
+impl From<CompoundRecord> for Compound {
+    fn from(CompoundRecord { parts }: CompoundRecord) -> Self {
+        let bounds: Vec<(DVec3, DVec3)> = parts.iter().map(|part| part.bounds).collect();
+        Self { tree: Bvh::of_boxes(&bounds), parts }
+    }
+}
+
 /// One polyhedron of a compound.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Part {
     /// In the compound's frame.
     pub hull: Hull,

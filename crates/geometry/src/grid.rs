@@ -1,12 +1,13 @@
 //! Uniform grids.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Nodes at `origin + spacing * (i, j, k)`. Each node stands for the cube of edge `spacing` around
 /// it, its voxel.
 ///
 /// A body "on a 150 x 10 x 100 grid" has so many voxels inside its bounding box.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Position of node (0, 0, 0) in the grid frame [m].
     pub origin: DVec3,

@@ -14,6 +14,7 @@ use crate::run_core::RunCore;
 use crate::runs::Run;
 use crate::voxel_runs::{Held, VoxelRuns};
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
 /// A level set, how much of each voxel is material, and what its surface is made of.
@@ -21,12 +22,13 @@ use std::sync::{Arc, OnceLock};
 /// A fragment of planar cells is its parent, clipped: it shares the parent's samples, and its
 /// distance is the larger one of theirs and its planes' [Su09 sec. 4.2], taken where it is asked
 /// for. Only what walks over nodes has them sampled.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GridSolid {
     /// The part of the lattice around the material.
     grid: Grid,
     /// Signed distances that this solid is clipped from; outside they may be underestimated after a
     /// break [Su09 sec. 4.2].
+    #[serde(with = "frangible_math::shared")]
     field: Arc<LevelSet>,
     /// The first node of `grid` on the field's lattice.
     shift: [i64; 3],
@@ -39,11 +41,12 @@ pub struct GridSolid {
     /// The exact surfaces behind the samples, so that edges stay sharp.
     pub outline: Outline,
     /// Distances at the nodes of `grid`, made when they are asked for.
+    #[serde(skip)]
     nodes: OnceLock<Arc<LevelSet>>,
 }
 
 /// The smooth pieces that a grid solid's surface consists of, all in its grid frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outline {
     /// The surface of the body before any break.
     pub root: Root,
@@ -51,18 +54,19 @@ pub struct Outline {
     pub cuts: Vec<HalfSpace>,
     /// The same for cracks that are no planes: samples of the distance to the cell, negative
     /// inside.
+    #[serde(with = "frangible_math::shared")]
     pub rough: Vec<Arc<LevelSet>>,
 }
 
 /// The surface of a body before any break.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Root {
     /// A formula.
     ClosedForm(ClosedForm),
     /// A convex polyhedron.
-    Hull(Arc<Hull>),
+    Hull(#[serde(with = "frangible_math::shared")] Arc<Hull>),
     /// Samples of a mesh's distance.
-    Sampled(Arc<LevelSet>),
+    Sampled(#[serde(with = "frangible_math::shared")] Arc<LevelSet>),
 }
 
 /// At nodes where another fragment's inside would read as this one's: the least distance, in units

@@ -1,9 +1,10 @@
 //! Half-spaces: the planes that cut, and the ground.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// The points with `normal . point <= offset`; negative distance inside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HalfSpace {
     /// Unit normal, outward.
     pub normal: DVec3,

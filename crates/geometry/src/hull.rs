@@ -23,15 +23,18 @@ use face_loops::FaceLoops;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 use half_edges::HalfEdgeMesh;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A convex polyhedron: vertices, polygonal faces and edges.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hull {
     vertices: Vec<DVec3>,
     /// Of the faces.
     planes: Vec<HalfSpace>,
+    #[serde(with = "frangible_math::shared")]
     net: Arc<HalfEdgeMesh>,
+    #[serde(skip)]
     columns: LazyColumns,
 }
 

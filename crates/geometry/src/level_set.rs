@@ -2,9 +2,10 @@
 
 use crate::grid::Grid;
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// Signed distance [m] at each node of a grid, trilinear between nodes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct LevelSet {
     grid: Grid,
     phi: Vec<f32>,

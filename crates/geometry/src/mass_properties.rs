@@ -2,6 +2,7 @@
 
 use frangible_math::{RigidTransform, symmetric_eigen};
 use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Asked of a shape that has no volume, or whose mass lies on a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -9,7 +10,7 @@ use glam::{DMat3, DQuat, DVec3};
 pub struct NoMass;
 
 /// Inertial properties at unit density; multiply by a density [kg/m^3] for a body's.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MassProperties {
     /// [m^3]
     pub volume: f64,

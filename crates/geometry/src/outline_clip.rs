@@ -3,9 +3,10 @@
 use crate::grid::Grid;
 use crate::half_space::HalfSpace;
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// An intersection of half-spaces on a grid.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Clip {
     /// In the grid frame.
     half_spaces: Vec<HalfSpace>,

@@ -1,7 +1,9 @@
 //! Consecutive nodes of a row, and what their voxels hold.
 
+use serde::{Deserialize, Serialize};
+
 /// Consecutive nodes of a row whose voxels are filled alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Span {
     /// Number of the first node, along x.
     pub start: u32,
@@ -21,7 +23,7 @@ impl Span {
 }
 
 /// Consecutive nodes of a row, and what their voxels hold together.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// Numbers of its nodes along y and z.
     pub row: [u32; 2],

@@ -1,9 +1,11 @@
 //! Clusters of surface samples, for culling.
 
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// Neighbouring samples and a ball around them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SampleCluster {
     /// Index of the first sample; the others follow it.
     pub first: u32,
@@ -74,12 +76,43 @@ impl SampleCluster {
 }
 
 /// Samples and their clusters, collected in an order that goes from one neighbourhood to the next.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct ClusteredSamples {
     /// In one frame [m].
     pub samples: Vec<Vec3>,
     /// All samples, in the same order.
     pub clusters: Vec<SampleCluster>,
+}
+
+/// Samples that were given, or that are made when somebody first asks: only the former are written
+/// to a snapshot.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(from = "Option<ClusteredSamples>")]
+pub(crate) struct LazySamples {
+    given: Option<ClusteredSamples>,
+    #[serde(skip)]
+    made: OnceLock<ClusteredSamples>,
+}
+
+impl From<Option<ClusteredSamples>> for LazySamples {
+    fn from(given: Option<ClusteredSamples>) -> Self {
+        Self { given, made: OnceLock::new() }
+    }
+}
+
+impl LazySamples {
+    pub(crate) fn given(samples: ClusteredSamples) -> Self {
+        Some(samples).into()
+    }
+
+    /// Those given, or those that `make` makes.
+    #[inline]
+    pub(crate) fn get_or_make(&self, make: impl FnOnce() -> ClusteredSamples) -> &ClusteredSamples {
+        match &self.given {
+            Some(samples) => samples,
+            None => self.made.get_or_init(make),
+        }
+    }
 }
 
 impl ClusteredSamples {

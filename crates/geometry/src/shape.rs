@@ -11,16 +11,17 @@ use crate::mass_properties::{MassProperties, NoMass};
 use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
 use crate::revolved::Revolved;
-use crate::sample_clusters::{ClusteredSamples, SampleCluster, bounds_of};
+use crate::sample_clusters::{ClusteredSamples, LazySamples, SampleCluster, bounds_of};
 use crate::static_mesh::StaticMesh;
 use crate::surface_samples::closed_form_samples;
 use frangible_math::RigidTransform;
 use glam::{DVec3, Vec3};
-use std::sync::{Arc, OnceLock};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Geometry, surface samples and mass properties. The body frame has its origin at the centre of
 /// mass and its axes along the principal axes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Shape {
     /// Where inside and outside are.
     pub geometry: Geometry,
@@ -34,30 +35,32 @@ pub struct Shape {
     pub unit_moments: DVec3,
     /// Convex polyhedron of the shape or of its fracture, in the body frame; `None` for other
     /// shapes.
+    #[serde(with = "frangible_math::shared")]
     pub hull: Option<Arc<Hull>>,
     /// Compound of convex polyhedra, in the body frame; `None` for other shapes.
+    #[serde(with = "frangible_math::shared")]
     pub compound: Option<Arc<Compound>>,
     /// The ball or the cylinder that a polyhedron is a part of, in the frame of both: what its
     /// surface is drawn as.
     part_of: Option<ClosedForm>,
     /// Between samples [m]; zero if they were given.
     sample_spacing: f64,
-    samples: OnceLock<ClusteredSamples>,
+    samples: LazySamples,
 }
 
 /// Where inside and outside are.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Geometry {
     /// A formula: exact. Breaks if it has a hull.
     ClosedForm(ClosedForm),
     /// A convex polyhedron: exact, also where it breaks.
-    Hull(Arc<Hull>),
+    Hull(#[serde(with = "frangible_math::shared")] Arc<Hull>),
     /// Compound of convex polyhedra.
-    Compound(Arc<Compound>),
+    Compound(#[serde(with = "frangible_math::shared")] Arc<Compound>),
     /// Samples on a grid: can break.
     Grid(Box<GridSolid>),
     /// Triangles of what does not move by itself: no volume.
-    Mesh(Arc<StaticMesh>),
+    Mesh(#[serde(with = "frangible_math::shared")] Arc<StaticMesh>),
 }
 
 /// Where a solid's centre of mass and principal axes are.
@@ -114,7 +117,7 @@ impl Shape {
             compound: None,
             part_of: None,
             sample_spacing,
-            samples: OnceLock::new(),
+            samples: LazySamples::default(),
         }
     }
 
@@ -184,7 +187,7 @@ impl Shape {
             compound: None,
             part_of: None,
             sample_spacing,
-            samples: OnceLock::new(),
+            samples: LazySamples::default(),
         })
     }
 
@@ -219,7 +222,7 @@ impl Shape {
             compound: Some(Arc::new(in_body)),
             part_of: None,
             sample_spacing,
-            samples: OnceLock::new(),
+            samples: LazySamples::default(),
         })
     }
 
@@ -236,7 +239,7 @@ impl Shape {
             compound: None,
             part_of: None,
             sample_spacing: 0.0,
-            samples: OnceLock::new(),
+            samples: LazySamples::default(),
         }
     }
 
@@ -265,7 +268,7 @@ impl Shape {
             compound: None,
             part_of: None,
             sample_spacing: 0.0,
-            samples: OnceLock::from(surface),
+            samples: LazySamples::given(surface),
         }
     }
 
@@ -282,7 +285,7 @@ impl Shape {
     }
 
     fn sampled(&self) -> &ClusteredSamples {
-        self.samples.get_or_init(|| {
+        self.samples.get_or_make(|| {
             let spacing = self.sample_spacing;
             ClusteredSamples::new(match (&self.geometry, &self.hull, &self.compound) {
                 (Geometry::ClosedForm(form), ..) => closed_form_samples(form, spacing),

@@ -13,6 +13,7 @@ use adjacency::{Adjacency, around_vertices, find_adjacency};
 use box_tree::BoxTree;
 use glam::{DVec3, Vec3};
 use kinds::{EdgeKind, Neighbour, Sides};
+use serde::{Deserialize, Serialize};
 
 /// Smallest height of a triangle over its longest side, relative to that side: the normal of a
 /// flatter one is rounding [1].
@@ -20,7 +21,7 @@ const LEAST_HEIGHT: f64 = 1e-6;
 
 /// An immutable triangle mesh in its own frame, with its edges and a tree of boxes. About 100 bytes
 /// per triangle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StaticMesh {
     positions: Vec<DVec3>,
     /// In the order of the tree.

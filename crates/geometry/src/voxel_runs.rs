@@ -7,15 +7,17 @@ use crate::moments::{Portion, RunSums};
 use crate::run_core::RunCore;
 use crate::runs::Run;
 use crate::runs::Span;
+use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
 /// Some of a solid's material, in runs: what is asked for is copied onto the holder's own grid.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Held {
     /// In order; on the source's grid.
     taken: Vec<Run>,
     /// Of all runs, in the holder's grid frame.
     pub(crate) mass: MassProperties,
+    #[serde(with = "frangible_math::shared")]
     source: Arc<VoxelRuns>,
     /// The first node of the holder's grid on the source's, and how many rows both have along y.
     shift: [i64; 3],
@@ -23,8 +25,11 @@ pub(crate) struct Held {
     rows: usize,
     /// Offset along x of the holder's grid middle from the source's.
     ahead: f64,
+    #[serde(skip)]
     own: OnceLock<Arc<VoxelRuns>>,
+    #[serde(skip)]
     moved: OnceLock<Vec<Run>>,
+    #[serde(skip)]
     cores: OnceLock<Vec<RunCore>>,
 }
 
@@ -156,7 +161,7 @@ impl Held {
 
 /// The spans of all rows of a grid, a row being the nodes along x. Nodes in no span are outside and
 /// hold nothing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VoxelRuns {
     spans: Vec<Span>,
     /// Where each row begins in `spans`, and one more entry at the end.

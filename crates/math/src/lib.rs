@@ -9,6 +9,7 @@ mod jacobi_elliptic;
 mod lanes;
 mod number;
 mod rigid_transform;
+pub mod shared;
 mod symmetric_eigen;
 pub mod threads;
 mod vector;

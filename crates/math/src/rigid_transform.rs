@@ -1,10 +1,11 @@
 //! Rotation followed by translation.
 
 use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Maps `point_from` to `point_to` as `rotation * point_from + translation`; named `to_from_from`
 /// where it is used.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidTransform {
     /// Unit quaternion.
     pub rotation: DQuat,

@@ -9,7 +9,7 @@ use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyBytes, PyString};
 use std::sync::{Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::Instant;
 
@@ -61,6 +61,13 @@ impl World {
     }
 }
 
+fn check_threads(threads: usize) -> PyResult<()> {
+    if threads <= MOST_THREADS {
+        return Ok(());
+    }
+    Err(build_error(format!("threads: {threads}, must be at most {MOST_THREADS}")))
+}
+
 /// Since it was asked first [s].
 fn seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
@@ -105,9 +112,7 @@ impl World {
     #[staticmethod]
     #[pyo3(signature = (scene, threads=0))]
     fn build(py: Python<'_>, scene: &Bound<'_, PyAny>, threads: usize) -> PyResult<Self> {
-        if threads > MOST_THREADS {
-            return Err(build_error(format!("threads: {threads}, must be at most {MOST_THREADS}")));
-        }
+        check_threads(threads)?;
         with_files(scene, |readable| Self::from_readable(py, readable, threads))
     }
 
@@ -218,6 +223,14 @@ impl World {
         Ok(PyArray1::from_iter(py, masses))
     }
 
+    /// Of the shapes; 0 for those without a volume.
+    #[getter]
+    fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let inner = self.inner()?;
+        let shapes = &inner.world.bodies().shapes;
+        Ok(PyArray1::from_iter(py, shapes.iter().map(|shape| shape.volume)))
+    }
+
     #[getter]
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let world = &self.inner()?.world;
@@ -305,6 +318,26 @@ impl World {
         let Inner { world, pool } = &mut *inner;
         let pool = pool.here()?;
         Ok(PyArray1::from_vec(py, py.detach(|| pool.install(|| world.penetrations()))))
+    }
+
+    /// All of the state, for `restore`.
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let inner = self.inner()?;
+        let world = &inner.world;
+        let bytes = py.detach(|| world.snapshot()).map_err(build_error)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// A world that goes on as the one that wrote the snapshot.
+    #[staticmethod]
+    #[pyo3(signature = (snapshot, threads=0))]
+    fn restore(py: Python<'_>, snapshot: &[u8], threads: usize) -> PyResult<Self> {
+        check_threads(threads)?;
+        let mut world = py
+            .detach(|| frangible::World::restore(snapshot))
+            .map_err(|error| build_error(format!("snapshot: {error}")))?;
+        world.set_clock(seconds);
+        Ok(Self(Mutex::new(Inner { world, pool: Pool::new(threads) })))
     }
 
     /// Hexadecimal digest of the whole state.

@@ -21,7 +21,7 @@ from ..progress import report_progress
 from ..recording import Float64, step_frames
 from ..report import StepReport
 from .standing import standing
-from .summary import Summary, peak_memory, spread, summarise
+from .summary import RunFigures, Summary, peak_memory, spread
 
 #: A benchmark is about the last so many frames, when most has happened.
 LAST_FRAMES = 200
@@ -77,10 +77,12 @@ def run_here(request: Request) -> Summary:
     states = None if request.states is None else open(request.states, "wb")
     reports: list[StepReport] = []
     cpu_ms: list[float] = []
+    step_ms: list[float] = []
     begin = 0.0
 
-    def keep(report: StepReport) -> None:
+    def keep(report: StepReport, taken_ms: float) -> None:
         nonlocal begin
+        step_ms.append(taken_ms)
         cpu_ms.append(1e3 * (time.process_time() - begin))
         reports.append(report)
         if states is not None:
@@ -90,12 +92,15 @@ def run_here(request: Request) -> Summary:
     try:
         with report_progress(request.frames) as progress:
             begin = time.process_time()
-            step_ms = step_frames(world, request.frames, on_step=keep, progress=progress)
+            step_frames(world, request.frames, on_step=keep, progress=progress)
     finally:
         if states is not None:
             states.close()
-    summary = summarise(
-        reports,
+    figures = RunFigures()
+    for report, taken_ms in zip(reports, step_ms, strict=True):
+        figures.add(report, taken_ms)
+    figures.depths.add(world.penetrations())
+    summary = figures.summary(
         shot=request.shot,
         method=world.method,
         dt=world.dt,
@@ -103,8 +108,6 @@ def run_here(request: Request) -> Summary:
         bodies=(start_bodies, len(world.ids)),
         mass=(start_mass, moving_mass(world)),
         energy=start_energy,
-        depths=[world.penetrations()],
-        step_ms=step_ms,
     )
     count = int(np.isfinite(world.masses).sum())
     stands = standing(start, _state(world, pieces)[:, :3], widths)

@@ -8,21 +8,19 @@ import sys
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from .. import _frangible
 from ..bench.run_process import moving_mass
-from ..bench.summary import describe, summarise
+from ..bench.summary import RunFigures, describe
 from ..errors import OutputError
-from ..interrupts import stop_when_asked
+from ..interrupts import Stop, stop_when_asked
 from ..progress import report_progress, report_stages
-from ..recording import Recorder, step_frames
+from ..recording import step_frames
 from ..report import StepReport
 from ..scene_lines import convention_of
 from ..scene_skins import scene_skins, volume_notes
 from ..scenes import readable_scene
 from ..simulation import check_bodies
+from .kept_run import KeptRun, Start
 from .options import (
     MOST_THREADS,
     add_inside,
@@ -68,6 +66,11 @@ def add_run(commands: Any) -> None:
         "--frame", type=natural(2**63 - 1), metavar="N", help="frame that a .png shows [the last]"
     )
     run.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with a run that was stopped: the same command with this, to the same bits",
+    )
+    run.add_argument(
         "--quiet", action="store_true", help="no progress and no list of what was written"
     )
     run.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
@@ -76,6 +79,8 @@ def add_run(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
     outputs = open_outputs(options)
+    if options.resume and not outputs:
+        raise OutputError("--resume: must come with the --out of the run that it goes on with")
     scene, frames, name = chosen_scene(options, wished(options))
     frames = options.frames or frames
     if options.frame is not None and options.frame > frames:
@@ -84,54 +89,72 @@ def _run(options: argparse.Namespace) -> int:
         )
     if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
         raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
+    rate = float(scene.get("frames_per_second", 0.0))
+    kept = KeptRun(options.out, [scene, options.inside]) if outputs else None
+    resumed = kept.resume(frames) if kept is not None and options.resume else None
     with (
         readable_scene(scene, options.pose_time) as readable,
         report_stages(options.quiet) as stage,
     ):
-        stage("building the world")
-        world = _frangible.World.build(readable, options.threads)
+        if resumed is None:
+            stage("building the world")
+            world = _frangible.World.build(readable, options.threads)
+        else:
+            stage("reading the world")
+            world = _frangible.World.restore(resumed, options.threads)
         check_bodies(world)
         skins = scene_skins(scene, readable, options.inside) if outputs else {}
-        notes = volume_notes(readable, world.masses)
+        notes = volume_notes(readable, world.masses) if resumed is None else []
     for note in notes:
         print(f"frangible: {note}", file=sys.stderr, flush=True)
 
-    # Simulate; surfaces are made and kept only if a file needs them.
-    start_bodies, start_mass = len(world.ids), moving_mass(world)
-    start_energy = world.energy
-    recorder = Recorder(world, skins) if outputs else None
-    reports: list[StepReport] = []
-    depths: list[npt.NDArray[np.float64]] = []
+    # Simulate: frames and surfaces go to a disk, and only if a file needs them.
+    rate = rate or 1.0 / world.dt
+    start = Start.of(world)
+    figures = RunFigures()
+    stop = Stop()
+    try:
+        if kept is not None:
+            start = kept.open(world, skins, start, figures, (name, rate))
 
-    def keep(report: StepReport) -> None:
-        reports.append(report)
-        depths.append(world.penetrations())
-        if recorder is not None:
-            recorder.capture(report)
+        def keep(report: StepReport, step_ms: float) -> None:
+            depths = world.penetrations()
+            figures.add(report, step_ms)
+            figures.depths.add(depths)
+            if kept is not None:
+                kept.capture(report, step_ms, depths)
 
-    with report_progress(frames, options.quiet) as progress, stop_when_asked() as stop:
-        step_ms = step_frames(world, frames, on_step=keep, progress=progress, stop=stop)
+        with report_progress(frames, options.quiet) as progress, stop_when_asked() as stop:
+            step_frames(
+                world, frames, on_step=keep, progress=progress, stop=stop, done=world.frame
+            )
+    except OSError as error:
+        if kept is None:
+            raise
+        return kept.give_up(error)
     if stop.signal is not None:
-        said = f"stopped after {len(reports)} of {frames} frames"
+        said = f"stopped after {figures.frames} of {frames} frames"
         print(f"frangible: {said}; outputs are of those", file=sys.stderr, flush=True)
 
     # Write the files, then the figures.
     status = 0
-    if recorder is not None:
-        recording = recorder.finish(name, float(scene.get("frames_per_second", 1.0 / world.dt)))
-        recording = replace(recording, convention=convention_of(scene))
+    if kept is not None:
+        try:
+            recording = replace(kept.finish(), convention=convention_of(scene))
+        except OSError as error:
+            return kept.give_up(error)
         status = write(outputs, recording, options.quiet)
-    summary = summarise(
-        reports,
+        del recording
+        kept.close(is_complete=status == 0 and stop.signal is None)
+    summary = figures.summary(
         shot=name,
         method=world.method,
         dt=world.dt,
         state_hash=world.state_hash(),
-        bodies=(start_bodies, len(world.ids)),
-        mass=(start_mass, moving_mass(world)),
-        energy=start_energy,
-        depths=depths,
-        step_ms=step_ms,
+        bodies=(start.bodies, len(world.ids)),
+        mass=(start.mass, moving_mass(world)),
+        energy=start.energy,
     )
-    print(json.dumps(summary) if options.json else describe(summary, 1e-3 * sum(step_ms)))
+    seconds = 1e-3 * sum(figures.step_ms)
+    print(json.dumps(summary) if options.json else describe(summary, seconds))
     return status if stop.signal is None else 128 + stop.signal

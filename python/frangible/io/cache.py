@@ -3,7 +3,8 @@
 ===================== ================== ===========================================================
 key                   shape and type     meaning
 ===================== ================== ===========================================================
-``format``            () int64           version of this table, 5; 4 had no ``before``, 3 no skins
+``format``            () int64           version of this table, 6; 5 had no ``volumes``, 4 no
+                                         ``before``, 3 no skins
 ``shot``              () str             name of the shot
 ``method``            () str             which step advanced a frame
 ``fps``               () float64         frames per second
@@ -40,6 +41,7 @@ key                   shape and type     meaning
                                          ``normal_offsets[i:i+2]``, none without any
 ``before``            (b, 7) float64     a frame before its birth, as a part of its parent; NaN for
                                          none
+``volumes``           (b,) float64       [m^3], 0 for bodies without a volume, NaN for none
 ``*_offsets``         (b + 1,) int64     first row of each body, then the number of rows
 ``reports``           () str             the report of every step, as JSON
 ``convention``        () str             axes, unit and first time of USD, as JSON; none in older
@@ -50,6 +52,7 @@ key                   shape and type     meaning
 from __future__ import annotations
 
 import json
+import os
 from typing import Any
 from zipfile import is_zipfile
 
@@ -58,19 +61,21 @@ import numpy.typing as npt
 
 from ..convention import Convention
 from ..errors import CacheError, one_sentence
+from ..kept_frames import read_folder
 from ..recording import Body, Recording
 from ..report import StepReport
 from .cache_check import check_arrays, check_family, read_arrays
+from .npz import Parts, write_arrays
 from .reading import file_fault
 from .skin_cache import no_constant, offsets, read_skins, rows, skin_arrays
 
-FORMAT = 5
+FORMAT = 6
 
 
 def write_npz(recording: Recording, path: str) -> None:
     """Write a recording as the arrays above."""
     bodies = recording.bodies
-    arrays: dict[str, npt.NDArray[Any]] = {
+    arrays: dict[str, npt.NDArray[Any] | Parts] = {
         "format": np.array(FORMAT),
         "shot": np.array(recording.shot),
         "method": np.array(recording.method),
@@ -88,26 +93,32 @@ def write_npz(recording: Recording, path: str) -> None:
         ),
         "masses": np.array([body.mass for body in bodies], np.float64),
         "looks": np.array([body.look or "" for body in bodies], np.str_),
-        "vertices": rows([body.vertices for body in bodies], (0, 3), np.float32),
+        "vertices": Parts([body.vertices for body in bodies], (3,), np.float32),
         "vertex_offsets": offsets([body.vertices for body in bodies]),
-        "triangles": rows([body.triangles for body in bodies], (0, 3), np.uint32),
+        "triangles": Parts([body.triangles for body in bodies], (3,), np.uint32),
         "triangle_offsets": offsets([body.triangles for body in bodies]),
-        "interior": rows([body.interior for body in bodies], (0,), np.bool_),
-        "coordinates": rows([body.coordinates for body in bodies], (0, 3, 2), np.float32),
-        "positions": rows([body.positions for body in bodies], (0, 3), np.float64),
-        "orientations": rows([body.orientations for body in bodies], (0, 4), np.float64),
+        "interior": Parts([body.interior for body in bodies], (), np.bool_),
+        "coordinates": Parts([body.coordinates for body in bodies], (3, 2), np.float32),
+        "positions": Parts([body.positions for body in bodies], (3,), np.float64),
+        "orientations": Parts([body.orientations for body in bodies], (4,), np.float64),
         "pose_offsets": offsets([body.positions for body in bodies]),
         "reports": np.array(json.dumps(recording.reports)),
         "convention": np.array(recording.convention.to_json()),
         **skin_arrays(bodies),
         "before": rows([_before(body)[None] for body in bodies], (0, 7), np.float64),
+        "volumes": np.array(
+            [np.nan if body.volume is None else body.volume for body in bodies], np.float64
+        ),
     }
-    with open(path, "wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays)
+    write_arrays(path, arrays)
 
 
 def read_npz(path: str) -> Recording:
-    """Read a recording back; `CacheError` if the file is not one of ours, or damaged."""
+    """Read a recording back, or what a run left that was stopped; `CacheError` if the file is not
+    one of ours, or damaged."""
+    if os.path.isdir(path):
+        with one_sentence(path, "folder of a run", CacheError):
+            return read_folder(path)
     check_is_file(path)
     if not is_zipfile(path):
         raise CacheError(f"{path}: is not a .npz file")
@@ -139,6 +150,8 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
     skins = read_skins(arrays)
     none = np.zeros(len(arrays["ids"]), np.bool_)
     has_before = ~np.isnan(arrays["before"][:, 0]) if "before" in arrays else none
+    volumes = arrays.get("volumes", np.full(len(arrays["ids"]), np.nan))
+    has_volume = ~np.isnan(volumes)
     for i, body_id in enumerate(arrays["ids"].tolist()):
         vertex_rows, triangle_rows, pose_rows = (
             slice(*firsts[i : i + 2]) for firsts in (vertices, triangles, poses)
@@ -162,6 +175,7 @@ def _recording(arrays: dict[str, npt.NDArray[Any]]) -> Recording:
                 orientations=arrays["orientations"][pose_rows],
                 skin=skins[i],
                 before=arrays["before"][i] if has_before[i] else None,
+                volume=float(volumes[i]) if has_volume[i] else None,
             )
         )
     return Recording(

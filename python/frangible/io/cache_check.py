@@ -90,7 +90,7 @@ _LENGTHS = (-FARTHEST, FARTHEST)
 
 #: The rule of each array of every cache.
 _TABLE: dict[str, _Rule] = {
-    "format": _whole((), 3, 5),
+    "format": _whole((), 3, 6),
     "shot": _text((), "text", _any),
     "method": _text((), "text", _any),
     "fps": _real((), 1e-3, 1e6),
@@ -141,6 +141,16 @@ _BEFORE: dict[str, _Rule] = {
         ("b", 7),
         lambda before: np.isnan(before) | (np.abs(before) <= FARTHEST),
         f"at most {FARTHEST:g}, or NaN",
+    ),
+}
+#: Since format 6.
+_VOLUMES: dict[str, _Rule] = {
+    "volumes": _Rule(
+        "f",
+        ("b",),
+        # The longest sides are 1e6 m.
+        lambda volumes: np.isnan(volumes) | ((volumes >= 0.0) & (volumes <= 2e18)),
+        "from 0 to 2e+18, or NaN",
     ),
 }
 #: The rows that each array of offsets shares out among the bodies, or among images.
@@ -195,6 +205,8 @@ def check_arrays(arrays: Arrays) -> None:
         table |= _SKINS
         if arrays["format"] >= 5 or "before" in arrays:
             table |= _BEFORE
+        if arrays["format"] >= 6:
+            table |= _VOLUMES
     for key in table:
         if key not in arrays:
             raise ValueError(f"has no key {key!r}")

@@ -4,15 +4,16 @@ use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_math::RigidTransform;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct CacheChunk {
     pub(crate) pairs: Vec<CachedManifold>,
     /// Points of all pairs, concatenated.
     pub(crate) points: Vec<CachedPoint>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct CachedManifold {
     /// Indices of both bodies in the path list of the frame.
     pub(crate) bodies: [u32; 2],
@@ -32,7 +33,7 @@ pub(crate) struct CachedManifold {
 }
 
 /// A cached contact point, in body frames.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct CachedPoint {
     /// Points on the first and on the second body, each in its body frame [m].
     pub(crate) anchors: [DVec3; 2],

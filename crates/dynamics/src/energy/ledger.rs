@@ -19,12 +19,13 @@ use crate::energy::island_correction::reduce_energy;
 use crate::energy::islands::Islands;
 use frangible_bodies::{Bodies, BodyId, Frame, Inertia, PerBody};
 use frangible_math::threads;
+use serde::{Deserialize, Serialize};
 
 /// Rounding threshold relative to the magnitude of an island's energies.
 const ROUNDING: f64 = 1e-14;
 
 /// Energy banks of all bodies, kept across frames.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     bank: PerBody<f64>,
 }

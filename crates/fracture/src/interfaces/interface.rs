@@ -1,10 +1,11 @@
 //! The contact of two pieces, and how its flat parts add up.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The contact of two pieces of one break, before they move apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
     /// Number of one piece.
     pub a: usize,

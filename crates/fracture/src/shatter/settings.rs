@@ -1,9 +1,10 @@
 //! User settings of a break.
 
 use crate::slivers::Smallest;
+use serde::{Deserialize, Serialize};
 
 /// User settings of a break.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShatterSettings {
     /// A connected part with less material joins its neighbour [voxels]. Default 27: in a block of
     /// three voxels a side the middle one is the first whose distance and gradient the samples

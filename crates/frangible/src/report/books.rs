@@ -5,6 +5,7 @@ use frangible_bodies::{Bodies, Frame, Pose};
 use frangible_dynamics::FrameAccounts;
 use frangible_math::threads;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Bodies that a thread sums up together: some ten microseconds of work.
@@ -115,7 +116,7 @@ pub(crate) fn gravity_impulse(bodies: &Bodies, frame: &Frame) -> (DVec3, DVec3) 
 }
 
 /// The books from the first frame on.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Books {
     unexplained: DVec3,
     unexplained_angular: DVec3,

@@ -9,8 +9,7 @@ use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
 use crate::scene::desc::{
     BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
 };
-use crate::scene::fineness::Fineness;
-use crate::scene::patterns::build_pattern;
+use crate::scene::pattern_choice::PatternChoice;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::starts::build_waiting;
 use crate::scene::strength::Strength;
@@ -307,8 +306,7 @@ fn is_environment(desc: &BodyDesc, method: Method) -> bool {
 /// Convex bodies under planar cracks break exactly into convex pieces. The paper's method uses
 /// level sets instead.
 fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
-    let flat = breaking.patterns.iter().all(|pattern| pattern.planar().is_some());
-    if method == Method::FrameRate && flat && desc.shape.is_convex() {
+    if method == Method::FrameRate && breaking.choice.is_planar() && desc.shape.is_convex() {
         Make::Polyhedron
     } else {
         Make::Voxels
@@ -332,26 +330,15 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
     let smallest = at.field("smallest").not_negative(desc.smallest)?;
 
     // Patterns of energy-limited blows need coarser alternatives.
-    let at_pattern = at.field("pattern");
-    let mut patterns = vec![Arc::new(build_pattern(&desc.pattern, &at_pattern)?)];
     let pieces = match desc.pieces {
-        Some(pieces) => {
-            let wanted = at.field("pieces").count(pieces, 2, MOST_CELLS)?;
-            Some((wanted, Arc::new(Fineness::new(desc.pattern.clone(), patterns[0].clone()))))
-        }
+        Some(pieces) => Some(at.field("pieces").count(pieces, 2, MOST_CELLS)?),
         None => None,
     };
-    if strength.fracture_energy() > 0.0 && pieces.is_none() {
-        let mut coarser = desc.pattern.coarser();
-        while let Some(pattern) = coarser {
-            patterns.push(Arc::new(build_pattern(&pattern, &at_pattern)?));
-            coarser = pattern.coarser();
-        }
-    }
-
-    patterns.iter().for_each(|pattern| pattern.prepare());
+    let has_coarser = strength.fracture_energy() > 0.0 && pieces.is_none();
+    let at_pattern = at.field("pattern");
+    let choice = Arc::new(PatternChoice::new(&desc.pattern, pieces, has_coarser, &at_pattern)?);
     let shatter = ShatterSettings::default();
-    Ok(Breaking { patterns, pieces, strength, shatter, generations: desc.generations, smallest })
+    Ok(Breaking { choice, strength, shatter, generations: desc.generations, smallest })
 }
 
 fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {

@@ -2,6 +2,7 @@
 
 use crate::scene::desc::breaking::MaterialDesc;
 use frangible_geometry::Shape;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// A fragment bears this many times the impulse of its parent (a ratio), where strength is given as
@@ -10,7 +11,7 @@ use std::f64::consts::PI;
 const GROWTH_PER_BREAK: f64 = 2.0;
 
 /// The strength of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Strength {
     /// An impulse, whatever the body's size [N s] [Su09 sec. 4.2].
     Impulse(f64),

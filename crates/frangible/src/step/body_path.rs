@@ -2,9 +2,10 @@
 
 use frangible_bodies::Pose;
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Poses of a body at frames.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct BodyPath {
     /// Frames in ascending order, at least one.
     pub(crate) keys: Vec<(f64, Pose)>,

@@ -1,5 +1,6 @@
 //! Where a blow becomes a break: bodies are replaced by their fragments [Su09 sec. 4.2].
 
+use crate::report::at_rest::at_rest;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
 use crate::world::{Breaking, Label, World};
@@ -53,16 +54,21 @@ pub(crate) fn break_bodies(
             born.push((fragment_body(&world.bodies, broken.parent, fragment, &label), label));
         }
         let Break { blow, parent, spent, breaking, .. } = broken;
+        let pieces = || born[first..].iter().map(|(body, _)| body);
+        let (rest_poses, contacts) = at_rest(&world.bodies, parent, pieces());
         fractures.push(Fracture {
+            time: world.time(),
             body: id_number(blow.body),
             striker: id_number(blow.striker),
             point: blow.point_world.to_array(),
             impulse: blow.impulse,
             borne: blow.borne,
             energy: spent,
-            wanted: breaking.pieces.as_ref().map(|(wanted, _)| *wanted),
+            wanted: breaking.choice.wanted(),
             fragments: vec![0; born.len() - first],
-            imbalance: imbalance(&world.bodies, parent, born[first..].iter().map(|(body, _)| body)),
+            rest_poses,
+            contacts,
+            imbalance: imbalance(&world.bodies, parent, pieces()),
         });
     }
 
@@ -99,7 +105,7 @@ fn crack(
     let mut can_split = false;
     let shape = world.bodies.shapes[parent].clone();
     let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
-    for (pattern, fragments) in (0..).map_while(|step| breaking.cut(step, cut)) {
+    for (pattern, fragments) in (0..).map_while(|step| breaking.choice.cut(step, cut)) {
         if fragments.len() < 2 {
             continue;
         }

@@ -2,9 +2,10 @@
 
 use crate::half_space::HalfSpace;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// An edge of a hull.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HullEdge {
     /// Vertex indices, in the order in which the first face has them.
     pub vertices: [u32; 2],

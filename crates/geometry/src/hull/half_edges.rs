@@ -2,11 +2,12 @@
 
 use super::face_loops::FaceLoops;
 use crate::hull::edges::HullEdge;
+use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
 /// Faces, corners and edges, the same wherever the hull is moved; in two lists, because a break
 /// makes thousands of them.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct HalfEdgeMesh {
     /// Sides of all faces.
     sides: usize,
@@ -17,6 +18,7 @@ pub(super) struct HalfEdgeMesh {
     /// Each once.
     edges: Vec<HullEdge>,
     /// Made when something is first cut out: equal bodies break often.
+    #[serde(skip)]
     half_edges: OnceLock<HalfEdges>,
 }
 

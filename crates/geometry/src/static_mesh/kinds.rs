@@ -1,5 +1,7 @@
 //! Kinds of edges, and sides of meshes.
 
+use serde::{Deserialize, Serialize};
+
 /// How the surface bends across an edge, seen from the fronts of its triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
@@ -14,7 +16,7 @@ pub enum EdgeKind {
 }
 
 /// Which sides of its triangles a mesh is solid on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sides {
     /// Solid behind its triangles, which run counter-clockwise seen from the front.
     One,

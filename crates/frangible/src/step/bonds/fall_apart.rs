@@ -1,6 +1,7 @@
 //! Bodies with lost bonds separate into islands of intact bonds.
 
 use super::state::Bonds;
+use crate::report::at_rest::at_rest;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::step::break_bodies::{fragment_body, imbalance};
 use crate::world::{Label, World};
@@ -34,7 +35,10 @@ pub(super) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> 
         let first = born.len();
         let islands = islands.into_iter().enumerate();
         born.extend(islands.filter_map(|(index, island)| island_body(world, *body, index, island)));
+        let pieces = || born[first..].iter().map(|(body, _)| body);
+        let (rest_poses, contacts) = at_rest(&world.bodies, *body, pieces());
         fractures.push(Fracture {
+            time: world.time(),
             body: id_number(world.bodies.ids[*body]),
             striker: id_number(world.bodies.ids[*striker]),
             point: point.to_array(),
@@ -43,10 +47,12 @@ pub(super) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> 
             energy: 0.0,
             wanted: None,
             fragments: vec![0; born.len() - first],
+            rest_poses,
+            contacts,
             imbalance: if world.bodies.inertias[*body].is_infinite() {
                 Imbalance::default()
             } else {
-                imbalance(&world.bodies, *body, born[first..].iter().map(|(body, _)| body))
+                imbalance(&world.bodies, *body, pieces())
             },
         });
     }

@@ -1,6 +1,7 @@
 //! Glued pieces of a body, and their loads.
 
 use frangible_fracture::{Glued, PointLoad};
+use serde::{Deserialize, Serialize};
 
 /// Duration of an impact [s]: stiff bodies of about a metre touch for a few milliseconds (by
 /// Hertz's law a ball of concrete, half a metre in radius and at 5 m/s, for 2 ms). The impact force
@@ -8,7 +9,7 @@ use frangible_fracture::{Glued, PointLoad};
 pub(super) const IMPACT_TIME: f64 = 2e-3;
 
 /// The pieces that a body is glued together of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bonds {
     pub(crate) glued: Glued,
     /// Loads that its contacts carried in the last frame or, where that is shorter, on the average
