@@ -3,6 +3,7 @@
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
 use crate::placement::Placement;
+use crate::reach::Reach;
 use frangible_geometry::Shape;
 use glam::{DMat3, DVec3};
 
@@ -23,13 +24,27 @@ impl Placement {
     /// the body is longest across the normal, so that long pieces of a pattern lie along a long
     /// body, and equal blows break equally. A magnified pattern's box is larger by as much.
     pub fn new(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Self {
+        Self::within(pattern, impact, struck, None)
+    }
+
+    /// The same for a break with a reach: the box around that, if it is smaller.
+    pub fn within(
+        pattern: &Pattern,
+        impact: &Impact,
+        struck: &Shape,
+        reach: Option<&Reach>,
+    ) -> Self {
         let grid_from_body = struck.body_from_grid.inverse();
         let impact_grid = Impact {
             point_body: grid_from_body.point(impact.point_body),
             normal_body: grid_from_body.direction(impact.normal_body),
         };
         let corners_grid = corners(struck.bounds).map(|corner| grid_from_body.point(corner));
-        Self::around(pattern, &impact_grid, &corners_grid)
+        let mut placement = Self::around(pattern, &impact_grid, &corners_grid);
+        if let Some(scale) = reach.and_then(|reach| reach.scale(pattern)) {
+            placement.scale = placement.scale.min(scale * pattern.magnification);
+        }
+        placement
     }
 
     /// The same for a body of which only the corners of a box around it are known, in the frame of

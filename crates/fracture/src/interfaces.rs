@@ -6,12 +6,12 @@ pub(crate) mod meshes;
 pub(crate) mod voxels;
 
 use crate::fragment::Fragment;
-use crate::interfaces::interface::Interface;
+use crate::interfaces::interface::{Contacts, Interface};
 use frangible_geometry::{Geometry, Hull};
 
 /// The contacts between the pieces of one break, in the order of `a`, then of `b`.
 ///
-/// Convex polyhedra touch where faces of two of them lie in one plane and look at each other: the
+/// Convex polyhedra, and compounds of them, touch where faces of two of them lie in one plane and look at each other: the
 /// area is exact.
 ///
 /// Pieces on a lattice touch where a voxel of one has a voxel of the other beside it. The faces
@@ -27,14 +27,9 @@ use frangible_geometry::{Geometry, Hull};
 /// [`shatter`](crate::shatter) returns them; convex polyhedra may be any that do not overlap, each
 /// placed in the common frame.
 pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
-    let hulls: Option<Vec<Hull>> = fragments
-        .iter()
-        .map(|fragment| {
-            Some(fragment.shape.hull.as_deref()?.transformed(&fragment.parent_from_fragment))
-        })
-        .collect();
-    if let Some(hulls) = hulls {
-        return hulls::contacts(&hulls);
+    let parts: Option<Vec<Vec<Hull>>> = fragments.iter().map(convex_parts).collect();
+    if let Some(parts) = parts {
+        return of_convex(parts);
     }
 
     // All pieces of one break have the same grid frame.
@@ -56,4 +51,37 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
         ..contact
     };
     voxels::contacts(&solids.unwrap_or_default()).into_iter().map(place).collect()
+}
+
+/// The polyhedra of a fragment, in its parent's body frame; `None` for other shapes.
+fn convex_parts(fragment: &Fragment) -> Option<Vec<Hull>> {
+    let place = |hull: &Hull| hull.transformed(&fragment.parent_from_fragment);
+    match (&fragment.shape.hull, &fragment.shape.compound) {
+        (Some(hull), _) => Some(vec![place(hull)]),
+        (_, Some(compound)) => {
+            Some(compound.parts().iter().map(|part| place(&part.hull)).collect())
+        }
+        _ => None,
+    }
+}
+
+/// The contacts of pieces of one polyhedron or several.
+fn of_convex(parts: Vec<Vec<Hull>>) -> Vec<Interface> {
+    let owners: Vec<usize> =
+        parts.iter().enumerate().flat_map(|(owner, own)| vec![owner; own.len()]).collect();
+    let hulls: Vec<Hull> = parts.into_iter().flatten().collect();
+    let of_hulls = hulls::contacts(&hulls);
+    let is_one_each = owners.iter().enumerate().all(|(hull, &owner)| hull == owner);
+    if is_one_each {
+        return of_hulls;
+    }
+    let mut contacts = Contacts::default();
+    for Interface { a, b, area, centroid, normal } in of_hulls {
+        let (a, b) = (owners[a], owners[b]);
+        if a != b {
+            let normal = if a < b { normal } else { -normal };
+            contacts.add((a.min(b), a.max(b)), area * normal, centroid);
+        }
+    }
+    contacts.into_interfaces()
 }

@@ -16,6 +16,7 @@ pub(crate) mod settings;
 pub(crate) mod slivers;
 
 use crate::align::Impact;
+use crate::crater::shatter_within;
 use crate::fragment::Fragment;
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
@@ -41,14 +42,15 @@ pub fn shatter(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     match (&parent.geometry, pattern.planar()) {
-        (Geometry::Grid(solid), Some(regions)) => {
+        (Geometry::Grid(solid), Some(regions)) if settings.reach.is_none() => {
             let placement = Placement::new(pattern, impact, parent);
             shatter_planar((parent, solid), (&placement, regions), settings)
         }
-        (Geometry::Grid(solid), None) => {
-            shatter_sampled((parent, solid), pattern, impact, settings)
-        }
-        (_, Some(_)) => shatter_hull(parent, pattern, impact, settings),
+        (Geometry::Grid(solid), _) => shatter_sampled((parent, solid), pattern, impact, settings),
+        (_, Some(_)) => match &settings.reach {
+            Some(reach) => shatter_within(parent, pattern, impact, (settings, reach)),
+            None => shatter_hull(parent, pattern, impact, settings),
+        },
         (_, None) => Vec::new(),
     }
 }
@@ -69,7 +71,7 @@ fn shatter_planar(
     } else {
         components::connected_components(solid, regions::share_out(solid, &regions), Some(smallest))
     };
-    let pieces = slivers::merge_slivers(solid, &components, smallest, &settings.smallest);
+    let pieces = slivers::merge_slivers(solid, &components, smallest, &settings.smallest, None);
 
     // Level set, mass properties and principal frame of each piece, then its surface samples.
     let framed = frame(pieces::intersect_level_sets(solid, &regions, &mut components, &pieces));
@@ -87,19 +89,31 @@ fn shatter_sampled(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     pattern.prepare();
-    let laid = Laid::new(pattern, Placement::new(pattern, impact, parent), solid);
+    let reach = settings.reach.as_ref();
+    let placement = Placement::within(pattern, impact, parent, reach);
+    let mut laid = Laid::new(pattern, placement, solid);
+    if let Some(reach) = reach {
+        laid.end_at(reach, solid);
+    }
 
     // The same stages as for planes.
     let shares = regions::share_out_nodes(solid, &laid);
     let mut components = components::connected_components(solid, shares, None);
     let voxels = settings.smallest_fragment_voxels;
-    let pieces = slivers::merge_slivers(solid, &components, voxels, &settings.smallest);
+    let pieces =
+        slivers::merge_slivers(solid, &components, voxels, &settings.smallest, laid.rest());
     let framed = frame(pieces::intersect_sampled(solid, &laid, &mut components, &pieces));
-    let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
+    let of_regions = pieces::pieces_of_regions(laid.cells(), &components, &pieces);
     let spacing = (settings.sample_spacing_voxels as usize).max(1);
     let surfaces =
         particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
-    finish(parent, framed, surfaces, (&components, &pieces))
+    let mut fragments = finish(parent, framed, surfaces, (&components, &pieces));
+    for fragment in &mut fragments {
+        if fragment.cell as usize >= pattern.len() {
+            fragment.cell = Fragment::REST;
+        }
+    }
+    fragments
 }
 
 /// Mass properties and principal frame of each solid. Every piece has mass, and a voxel's own

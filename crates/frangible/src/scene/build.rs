@@ -22,7 +22,7 @@ use frangible_bodies::{
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
-use frangible_fracture::{MOST_CELLS, ShatterSettings, Smallest};
+use frangible_fracture::{MOST_CELLS, Reach, Rim, ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};
 use frangible_math::RigidTransform;
 use std::sync::Arc;
@@ -279,11 +279,9 @@ fn is_environment(desc: &BodyDesc, method: Method) -> bool {
 /// level sets instead.
 fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     let flat = breaking.patterns.iter().all(|pattern| pattern.planar().is_some());
-    if method == Method::FrameRate && flat && desc.shape.is_convex() {
-        Make::Polyhedron
-    } else {
-        Make::Voxels
-    }
+    let is_exact = desc.shape.is_convex()
+        || breaking.shatter.reach.is_some() && matches!(desc.shape, ShapeDesc::Compound { .. });
+    if method == Method::FrameRate && flat && is_exact { Make::Polyhedron } else { Make::Voxels }
 }
 
 /// Cracks are sampled as densely as the surface was, and pieces are not too small for it.
@@ -321,7 +319,15 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
     }
 
     patterns.iter().for_each(|pattern| pattern.prepare());
-    let shatter = ShatterSettings::default();
+    let reach = match desc.reach {
+        Some(reach) => {
+            let distance = at.field("reach").positive(reach, "m")?;
+            let rim = if desc.pattern.has_cells_of_its_own() { Rim::Cells } else { Rim::Bowl };
+            Some(Reach { distance, rim })
+        }
+        None => None,
+    };
+    let shatter = ShatterSettings { reach, ..ShatterSettings::default() };
     Ok(Breaking { patterns, pieces, strength, shatter, generations: desc.generations, smallest })
 }
 

@@ -25,6 +25,12 @@ pub struct BreakingDesc {
     /// Minimum longest side of fragments that break again [m].
     #[serde(default)]
     pub smallest: f64,
+    /// How far a break reaches from its blow [m]: the rest stays whole, and is broken as before by
+    /// the next blow. The pattern is laid on what is in reach; bricks, slices and files are laid on
+    /// the whole body, and of them the cells with their centres in reach come loose. By default all
+    /// of the body breaks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach: Option<f64>,
 }
 
 /// The strength of a body: an impulse, or its material's.
@@ -170,6 +176,13 @@ impl BreakingDesc {
     /// Breaks once.
     pub fn once(strength: impl Into<StrengthDesc>, pattern: PatternDesc) -> Self {
         let generations = defaults::generations();
-        Self { strength: strength.into(), pattern, pieces: None, generations, smallest: 0.0 }
+        Self {
+            strength: strength.into(),
+            pattern,
+            pieces: None,
+            generations,
+            smallest: 0.0,
+            reach: None,
+        }
     }
 }
