@@ -515,6 +515,11 @@ class Breaking(Description):
     generations: int | None = None
     #: Minimum longest side of fragments that break again [m]. Without it 0.0.
     smallest: float | None = None
+    #: How far a break reaches from its blow [m]: the rest stays whole, and is broken as before by
+    #: the next blow. The pattern is laid on what is in reach; bricks, slices and files are laid on
+    #: the whole body, and of them the cells with their centres in reach come loose. By default all
+    #: of the body breaks.
+    reach: float | None = None
 
 
 @dataclass(slots=True)

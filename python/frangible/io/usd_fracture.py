@@ -24,7 +24,7 @@ _STRENGTH = {
     "weibullModulus": "weibull_modulus",
 }
 #: Attributes of 'breaking' that have the names of its fields.
-_BREAKING = ("pieces", "generations", "smallest")
+_BREAKING = ("pieces", "generations", "smallest", "reach")
 
 # Programs know the schema if this is read before the library looks for schemas; what it reads is
 # the same without that.
