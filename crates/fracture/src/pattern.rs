@@ -114,6 +114,15 @@ impl Pattern {
         }
     }
 
+    /// Signed distance from a point of the pattern frame to a cell alone: of drawn cells, to their
+    /// mesh.
+    pub(crate) fn distance_to_cell(&self, cell: usize, point: DVec3) -> f64 {
+        match &self.cells {
+            Cells::Drawn(drawn) => drawn.to_mesh(cell, point),
+            Cells::Planar(_) | Cells::Rough(_) => self.distance(cell, point),
+        }
+    }
+
     /// The closed surface of a cell within the box, without an edge longer than `longest_edge`
     /// (infinite: each face as large as it is). Cells that meet face to face share the vertices of
     /// the face bit for bit, and its triangles.

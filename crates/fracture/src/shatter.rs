@@ -24,7 +24,7 @@ use crate::placement::Placement;
 use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull;
 use components::Components;
-use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Shape};
+use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Portion, Shape};
 use laid::Laid;
 use particles::Lookup;
 use slivers::Pieces;
@@ -96,24 +96,41 @@ fn shatter_sampled(
         laid.end_at(reach, solid);
     }
 
-    // The same stages as for planes.
-    let shares = regions::share_out_nodes(solid, &laid);
-    let mut components = components::connected_components(solid, shares, None);
-    let voxels = settings.smallest_fragment_voxels;
-    let pieces =
-        slivers::merge_slivers(solid, &components, voxels, &settings.smallest, laid.rest());
-    let framed = frame(pieces::intersect_sampled(solid, &laid, &mut components, &pieces));
-    let of_regions = pieces::pieces_of_regions(laid.cells(), &components, &pieces);
-    let spacing = (settings.sample_spacing_voxels as usize).max(1);
-    let surfaces =
-        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
-    let mut fragments = finish(parent, framed, surfaces, (&components, &pieces));
+    let mut fragments = cut_sampled((parent, solid), &laid, settings).fragments;
     for fragment in &mut fragments {
         if fragment.cell as usize >= pattern.len() {
             fragment.cell = Fragment::REST;
         }
     }
     fragments
+}
+
+/// A solid in pieces.
+pub(crate) struct CutUp {
+    pub(crate) fragments: Vec<Fragment>,
+    /// Of each fragment its material on the parent's grid, and its cells.
+    pub(crate) parts: Vec<(Portion, Vec<u32>)>,
+}
+
+/// The same along a pattern that is laid: the stages are those for planes.
+pub(crate) fn cut_sampled(
+    (parent, solid): (&Shape, &GridSolid),
+    laid: &Laid,
+    settings: &ShatterSettings,
+) -> CutUp {
+    let shares = regions::share_out_nodes(solid, laid);
+    let mut components = components::connected_components(solid, shares, None);
+    let voxels = settings.smallest_fragment_voxels;
+    let pieces =
+        slivers::merge_slivers(solid, &components, voxels, &settings.smallest, laid.rest());
+    let parts = pieces::parts_of_pieces(solid.grid(), &mut components, &pieces);
+    let framed = frame(pieces::intersect_sampled(solid, laid, &parts));
+    let of_regions = pieces::pieces_of_regions(laid.cells(), &components, &pieces);
+    let spacing = (settings.sample_spacing_voxels as usize).max(1);
+    let surfaces =
+        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), laid, spacing);
+    let fragments = finish(parent, framed, surfaces, (&components, &pieces));
+    CutUp { fragments, parts }
 }
 
 /// Mass properties and principal frame of each solid. Every piece has mass, and a voxel's own

@@ -6,5 +6,6 @@ pub(crate) mod check;
 pub(crate) mod desc;
 pub(crate) mod fineness;
 pub(crate) mod patterns;
+pub(crate) mod piece_file;
 pub(crate) mod shapes;
 pub(crate) mod strength;

@@ -206,6 +206,21 @@ impl<'a> Laid<'a> {
         Some(if from > until { (from / (from - until)).clamp(0.0, 1.0) } else { 0.5 })
     }
 
+    /// Signed distance [m] to some cells together, at the nodes of a part of the body's lattice:
+    /// half of how much nearer they are than the others. Cracks between them are no surface.
+    pub(crate) fn distances_to_union(&self, is_own: &[bool], part: Grid) -> LevelSet {
+        let scale = 0.5 * self.placement.scale;
+        LevelSet::sample(part, |place| {
+            let point = self.placement.pattern_from_grid(place);
+            let mut nearest = [f64::INFINITY; 2];
+            for (cell, &own) in is_own.iter().enumerate() {
+                let nearest = &mut nearest[usize::from(!own)];
+                *nearest = nearest.min(self.pattern.distance_to_cell(cell, point));
+            }
+            scale * (nearest[0] - nearest[1])
+        })
+    }
+
     /// Signed distance [m] to the nearest of some cells, at the nodes of a part of the body's
     /// lattice.
     pub(crate) fn distances(&self, cells: &[u32], part: Grid) -> LevelSet {

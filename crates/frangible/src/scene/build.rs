@@ -5,7 +5,7 @@ use crate::scene::bonds::build_bonds;
 use crate::scene::check::MOST_SPEED;
 use crate::scene::check::MOST_SPIN;
 use crate::scene::check::{BuildError, Checker};
-use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
+use crate::scene::desc::breaking::{BondsDesc, BreakingDesc, StrengthDesc};
 use crate::scene::desc::{
     BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
 };
@@ -166,9 +166,11 @@ fn build_body(
     };
     let make = match &breaking {
         Some(breaking) => make_to_break(desc, breaking, method),
-        None if desc.bonds.is_some() && desc.shape.is_convex() => Make::Polyhedron,
-        None if is_environment(desc, method) => Make::Triangles,
-        None => Make::Whole,
+        None => match &desc.bonds {
+            Some(bonds) => make_to_glue(bonds, desc, &at.field("bonds.pattern"))?,
+            None if is_environment(desc, method) => Make::Triangles,
+            None => Make::Whole,
+        },
     };
     let shape = library.shape(&desc.shape, make, &at.field("shape"))?;
     let has_no_mass = shape.volume == 0.0 && make != Make::Triangles;
@@ -282,6 +284,24 @@ fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     let is_exact = desc.shape.is_convex()
         || breaking.shatter.reach.is_some() && matches!(desc.shape, ShapeDesc::Compound { .. });
     if method == Method::FrameRate && flat && is_exact { Make::Polyhedron } else { Make::Voxels }
+}
+
+/// Planar cells cut convex parts exactly; other bodies and other cells need a grid.
+fn make_to_glue(
+    bonds: &BondsDesc,
+    desc: &BodyDesc,
+    at_pattern: &Checker,
+) -> Result<Make, BuildError> {
+    let is_flat = match &bonds.pattern {
+        Some(pattern) => build_pattern(pattern, at_pattern)?.planar().is_some(),
+        None => true,
+    };
+    Ok(match &desc.shape {
+        _ if !is_flat => Make::Voxels,
+        ShapeDesc::Compound { .. } => Make::Whole,
+        shape if shape.is_convex() => Make::Polyhedron,
+        _ => Make::Whole,
+    })
 }
 
 /// Cracks are sampled as densely as the surface was, and pieces are not too small for it.

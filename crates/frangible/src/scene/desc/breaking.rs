@@ -109,8 +109,9 @@ impl MaterialName {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BondsDesc {
-    /// Pattern that cuts a box, a hull or a compound into pieces; without it, a compound's parts
-    /// are the pieces.
+    /// Pattern that cuts the body into pieces. Without it, the parts of a compound are the pieces,
+    /// or the closed parts of a mesh, as `frangible break` writes them: a file or a folder of OBJ
+    /// files.
     #[serde(default)]
     pub pattern: Option<PatternDesc>,
     /// Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
