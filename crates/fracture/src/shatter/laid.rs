@@ -212,12 +212,8 @@ impl<'a> Laid<'a> {
         let scale = 0.5 * self.placement.scale;
         LevelSet::sample(part, |place| {
             let point = self.placement.pattern_from_grid(place);
-            let mut nearest = [f64::INFINITY; 2];
-            for (cell, &own) in is_own.iter().enumerate() {
-                let nearest = &mut nearest[usize::from(!own)];
-                *nearest = nearest.min(self.pattern.distance_to_cell(cell, point));
-            }
-            scale * (nearest[0] - nearest[1])
+            let [own, other] = self.pattern.distances_to(is_own, point);
+            scale * (own - other)
         })
     }
 
