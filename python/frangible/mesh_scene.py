@@ -14,7 +14,7 @@ from ._frangible import BuildError
 from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, readable_mesh
 from .material_presets import PRESETS
 from .recording import Float64
-from .scene_types import Body, Breaking, HalfSpace, Mesh, SceneDesc, Sphere
+from .scene_types import Body, Bonds, Breaking, HalfSpace, Mesh, SceneDesc, Sphere
 from .words import did_you_mean
 
 #: Metres in a unit.
@@ -43,6 +43,8 @@ class Wishes:
     pieces: int | None = None
     #: An impulse [N s], or a material of the core's table.
     strength: float | str | None = None
+    #: What the glue between the file's closed parts, or a pattern's pieces, bears [Pa].
+    glue: float | None = None
     #: Radius, and speed [m/s].
     ball: tuple[float, float] | None = None
     #: Where the ball comes from.
@@ -74,7 +76,8 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         name=os.path.splitext(os.path.basename(name))[0],
         material=wishes.material,
         orientation=orientation,
-        breaking=_breaking(wishes),
+        breaking=None if wishes.glue is not None else _breaking(wishes),
+        bonds=_bonds(wishes),
     )
     bodies = [mesh]
     if wishes.ground:
@@ -162,6 +165,18 @@ def _breaking(wishes: Wishes) -> Breaking | None:
             f"material: {wishes.material!r} does not break, must come with a strength and a pattern"
         )
     return Breaking.from_dict(fields)
+
+
+def _bonds(wishes: Wishes) -> Bonds | None:
+    """Glue between the file's parts or, if one is wished, the pieces of a pattern."""
+    if wishes.glue is None:
+        return None
+    for option, given in (("strength", wishes.strength), ("pieces", wishes.pieces)):
+        if given is not None:
+            raise BuildError(f"{option}: {given}, must be left out with glue")
+    pattern = None if wishes.pattern is None else _pattern(wishes)
+    fields = {"pattern": pattern, "tensile_strength": wishes.glue, "shear_strength": wishes.glue}
+    return Bonds.from_dict({name: field for name, field in fields.items() if field is not None})
 
 
 def _pattern(wishes: Wishes) -> dict[str, Any] | None:

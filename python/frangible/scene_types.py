@@ -543,8 +543,9 @@ class Bonds(Description):
     shear_strength: float
 
     _: KW_ONLY
-    #: Pattern that cuts a box, a hull or a compound into pieces; without it, a compound's parts are
-    #: the pieces.
+    #: Pattern that cuts the body into pieces. Without it, the parts of a compound are the pieces,
+    #: or the closed parts of a mesh, as `frangible break` writes them: a file or a folder of OBJ
+    #: files.
     pattern: AnyPattern | None = None
     #: Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
     #: middle of the shape.

@@ -115,21 +115,18 @@ impl Drawn {
 
         // Sample each on its part of one lattice, whose nodes are the middles of cubes that fill
         // the box.
-        let extent = high - low;
-        let mut spacing = (extent.max_element() / NODES).min(extent.min_element() / LAYERS);
-        while (extent / spacing).element_product() > MOST_NODES {
-            spacing *= 2.0;
-        }
+        let spacing = spacing_in(high - low);
         let sample = |(cell, mesh): (usize, &TriMesh)| {
-            let (cell_low, cell_high) = mesh.bounds();
-            let first = ((cell_low - low) / spacing - 0.5).floor() - MARGIN;
-            let last = ((cell_high - low) / spacing - 0.5).ceil() + MARGIN;
-            let dims = (last - first).to_array().map(|count| count as usize + 1);
-            let grid = Grid { origin: low + spacing * (first + 0.5), spacing, dims };
-            mesh_to_level_set(mesh, grid).map_err(|error| format!("cell {cell}: {error}"))
+            mesh_to_level_set(mesh, grid_around(mesh, low, spacing))
+                .map_err(|error| format!("cell {cell}: {error}"))
         };
         let fields = meshes.iter().enumerate().map(sample).collect::<Result<_, _>>()?;
         Ok((Self { meshes, fields, nearby: OnceLock::new() }, spacing))
+    }
+
+    /// True if a mesh in the box from `low` to `high` is thick enough to be sampled.
+    pub(crate) fn resolves(mesh: &TriMesh, (low, high): (DVec3, DVec3)) -> bool {
+        mesh_to_level_set(mesh, grid_around(mesh, low, spacing_in(high - low))).is_ok()
     }
 
     /// The cells' surfaces, pattern frame.
@@ -213,4 +210,22 @@ impl Drawn {
         let crack = (0..mesh.triangles.len()).map(|triangle| !on_wall(triangle)).collect();
         CellMesh { mesh, crack }
     }
+}
+
+/// Distance of the samples of cells that fill a box.
+fn spacing_in(extent: DVec3) -> f64 {
+    let mut spacing = (extent.max_element() / NODES).min(extent.min_element() / LAYERS);
+    while (extent / spacing).element_product() > MOST_NODES {
+        spacing *= 2.0;
+    }
+    spacing
+}
+
+/// The part around a mesh of the lattice whose nodes are the middles of cubes from `low` on.
+fn grid_around(mesh: &TriMesh, low: DVec3, spacing: f64) -> Grid {
+    let (cell_low, cell_high) = mesh.bounds();
+    let first = ((cell_low - low) / spacing - 0.5).floor() - MARGIN;
+    let last = ((cell_high - low) / spacing - 0.5).ceil() + MARGIN;
+    let dims = (last - first).to_array().map(|count| count as usize + 1);
+    Grid { origin: low + spacing * (first + 0.5), spacing, dims }
 }

@@ -5,13 +5,14 @@ use crate::crater::convex_parts;
 use crate::fragment::Fragment;
 use crate::grid_pieces::GridPieces;
 use crate::interfaces;
-use crate::interfaces::interface::Interface;
+use crate::interfaces::interface::{Contacts, Interface};
 use crate::interfaces::meshes::{CutPiece, mesh_interfaces_within};
+use crate::mesh_pattern::{Drawn, bounds};
 use crate::pattern::Pattern;
 use crate::placement::Placement;
 use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull::cut_hull;
-use crate::slivers::Smallest;
+use crate::slivers::{Contact, Groups, Smallest};
 use frangible_geometry::{Geometry, HalfSpace, Hull, PlaneClipper, Shape, TriMesh};
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3};
@@ -127,7 +128,7 @@ pub fn prescore(
 }
 
 /// The pieces of a body on a grid that are closed meshes in its grid frame, as a break of its mesh
-/// has left them. Their contacts are those that are given, or else the common faces of the meshes;
+/// has left them. Those that the grid does not resolve join a neighbour. Their contacts are those that are given, or else the common faces of the meshes;
 /// where one of these has none, those of their voxels.
 ///
 /// # Errors
@@ -137,8 +138,9 @@ pub fn prescore_parts(
     meshes: Vec<TriMesh>,
     contacts: Option<Vec<Interface>>,
 ) -> Result<Prescored, String> {
+    let contacts = contacts.unwrap_or_else(|| common_faces(&meshes));
+    let (meshes, contacts) = without_slivers(meshes, contacts, body);
     let count = meshes.len();
-    let contacts = contacts.or_else(|| common_faces(&meshes));
     let pattern = Arc::new(Pattern::of_pieces(meshes)?);
     let placement = Placement {
         grid_from_pattern: DMat3::IDENTITY,
@@ -154,7 +156,9 @@ pub fn prescore_parts(
     };
     let pieces = GridPieces::cut(body.clone(), pattern.clone(), placement, &settings)
         .ok_or("the body lies on no grid")?;
-    let contacts = contacts.and_then(|contacts| of_pieces(contacts, &pieces, count));
+    let touches = |cell: usize| contacts.iter().any(|one| [one.a, one.b].contains(&cell));
+    let all_touch = (0..count).all(touches);
+    let contacts = if all_touch { of_pieces(contacts, &pieces, count) } else { None };
     Ok(on_grid(pieces, &pattern, contacts))
 }
 
@@ -181,16 +185,62 @@ fn of_pieces(
     piece_of.iter().all(Option::is_some).then_some(contacts)
 }
 
-/// Contacts where faces of meshes lie on one another; `None` if one has none.
-fn common_faces(meshes: &[TriMesh]) -> Option<Vec<Interface>> {
+/// Contacts where faces of meshes lie on one another.
+fn common_faces(meshes: &[TriMesh]) -> Vec<Interface> {
     let piece =
         |mesh: &TriMesh| CutPiece { mesh: mesh.clone(), inner: vec![true; mesh.triangles.len()] };
     let pieces: Vec<CutPiece> = meshes.iter().map(piece).collect();
-    let contacts = mesh_interfaces_within(&pieces, SAME_PLANE);
-    let touches =
-        |piece: usize| contacts.iter().any(|contact| [contact.a, contact.b].contains(&piece));
-    (0..meshes.len()).all(touches).then_some(contacts)
+    mesh_interfaces_within(&pieces, SAME_PLANE)
 }
+
+/// Meshes that the grid does not resolve join the neighbour with which they have most in common.
+fn without_slivers(
+    meshes: Vec<TriMesh>,
+    contacts: Vec<Interface>,
+    body: &Shape,
+) -> (Vec<TriMesh>, Vec<Interface>) {
+    let Geometry::Grid(solid) = &body.geometry else { return (meshes, contacts) };
+    let around = bounds(&meshes).unwrap_or_default();
+    let least = SMALLEST_VOXELS * solid.grid().voxel_volume();
+    let volumes: Vec<f64> = meshes.iter().map(|mesh| mesh.mass_properties().volume).collect();
+    let is_sliver =
+        |(mesh, &volume): (&TriMesh, &f64)| volume.abs() < least || !Drawn::resolves(mesh, around);
+    let too_small: Vec<bool> = meshes.iter().zip(&volumes).map(is_sliver).collect();
+    if !too_small.contains(&true) {
+        return (meshes, contacts);
+    }
+    let areas: Vec<Contact> = contacts.iter().map(|one| ([one.a, one.b], one.area)).collect();
+    let mut groups = Groups::new(&volumes, &too_small);
+    groups.join(&areas, |_, _, volume| Some(volume < least));
+    let hosts = groups.of_piece();
+
+    // Number those that are left.
+    let mut number = vec![0; meshes.len()];
+    let mut joined: Vec<TriMesh> = Vec::new();
+    for (piece, mesh) in meshes.iter().enumerate().filter(|&(piece, _)| hosts[piece] == piece) {
+        number[piece] = joined.len();
+        joined.push(mesh.clone());
+    }
+    for (piece, mesh) in meshes.iter().enumerate().filter(|&(piece, _)| hosts[piece] != piece) {
+        let host = &mut joined[number[hosts[piece]]];
+        let first = host.positions.len() as u32;
+        host.positions.extend(&mesh.positions);
+        host.triangles.extend(mesh.triangles.iter().map(|corners| corners.map(|at| at + first)));
+    }
+    let mut of_hosts = Contacts::default();
+    for Interface { a, b, area, centroid, normal } in contacts {
+        let (a, b) = (number[hosts[a]], number[hosts[b]]);
+        if a != b {
+            let normal = if a < b { normal } else { -normal };
+            of_hosts.add((a.min(b), a.max(b)), area * normal, centroid);
+        }
+    }
+    (joined, of_hosts.into_interfaces())
+}
+
+/// Pieces of fewer voxels are slivers: in a block of three voxels a side the middle one is the
+/// first whose distance the samples resolve.
+const SMALLEST_VOXELS: f64 = 27.0;
 
 /// Sides of a crack in a file of single precision are apart by less, relative to the longest side
 /// of the body.

@@ -4,7 +4,7 @@
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::ShapeDesc;
 use frangible_fracture::{Interface, closed_parts};
-use frangible_geometry::{TriMesh, mesh_io, read_file};
+use frangible_geometry::{MassProperties, TriMesh, mesh_io, read_file};
 use glam::DVec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -26,6 +26,7 @@ struct Report {
 struct PieceRecord {
     name: String,
     volume_m3: f64,
+    center_m: [f64; 3],
     neighbours: Vec<NeighbourRecord>,
 }
 
@@ -40,6 +41,9 @@ struct NeighbourRecord {
 /// Volumes of a piece and of what the report says of it may differ by this part: files have single
 /// precision.
 const SAME_VOLUME: f64 = 1e-3;
+
+/// So may their centres, relative to their size.
+const SAME_PLACE: f64 = 1e-2;
 
 /// The closed parts of a mesh shape, if it has more than one; `None` for other shapes.
 pub(crate) fn parts_of_mesh(
@@ -100,27 +104,35 @@ fn files_of(path: &Path) -> Vec<PathBuf> {
 fn contacts_beside(path: &Path, meshes: &[TriMesh], scale: f64) -> Option<Vec<Interface>> {
     let report = if path.is_dir() { path.join("pieces.json") } else { path.with_extension("json") };
     let report: Report = serde_json::from_slice(&read_file(&report).ok()?).ok()?;
-    let is_same = |(piece, mesh): (&PieceRecord, &TriMesh)| {
-        let volume = mesh.mass_properties().volume;
-        (piece.volume_m3 * scale * scale * scale - volume).abs() <= SAME_VOLUME * volume
-    };
-    if report.pieces.len() != meshes.len() || !report.pieces.iter().zip(meshes).all(is_same) {
-        return None;
+    // Files keep pieces in orders of their own.
+    let mut number: Vec<Option<usize>> = vec![None; report.pieces.len()];
+    for (at, mesh) in meshes.iter().enumerate() {
+        let MassProperties { volume, center, .. } = mesh.mass_properties();
+        let near = SAME_PLACE * libm::cbrt(volume.abs());
+        let is_same = |piece: &PieceRecord| {
+            let away = scale * DVec3::from_array(piece.center_m) - center;
+            let differs = scale * scale * scale * piece.volume_m3 - volume;
+            away.length() <= near && differs.abs() <= SAME_VOLUME * volume
+        };
+        let found = report.pieces.iter().position(is_same)?;
+        if number[found].replace(at).is_some() {
+            return None;
+        }
     }
     let mut contacts = Vec::new();
-    for (a, piece) in report.pieces.iter().enumerate() {
+    for (piece, &a) in report.pieces.iter().zip(&number) {
         for beside in &piece.neighbours {
             let b = report.pieces.iter().position(|other| other.name == beside.name)?;
-            if b <= a {
-                continue;
+            let (a, b) = (a?, number[b]?);
+            if a < b {
+                contacts.push(Interface {
+                    a,
+                    b,
+                    area: scale * scale * beside.area_m2,
+                    centroid: scale * DVec3::from_array(beside.centroid_m),
+                    normal: DVec3::from_array(beside.normal),
+                });
             }
-            contacts.push(Interface {
-                a,
-                b,
-                area: scale * scale * beside.area_m2,
-                centroid: scale * DVec3::from_array(beside.centroid_m),
-                normal: DVec3::from_array(beside.normal),
-            });
         }
     }
     Some(contacts)
