@@ -384,6 +384,10 @@ class Natural(Description):
     #: Spread of sizes, from 0 (the largest cell cracks) over 0.5 (probability proportional to
     #: volume) to 1 (equal probability). Without it 0.7.
     spread: float | None = None
+    #: Gathers small cells around the centre, from 0 (everywhere alike) to 30: a cell cracks the
+    #: more likely the nearer it is, by a Gaussian whose standard deviation is `half_extent /
+    #: clustering`. Without it 0.0.
+    clustering: float | None = None
     #: Of the random numbers. Without it 1.
     seed: int | None = None
     #: Shape of the pattern's box; only its proportions matter. Without it [1.0, 1.0, 1.0].
@@ -499,6 +503,16 @@ AnyPattern = Radial | Voronoi | Natural | Slices | Bricks | Splinters | Concrete
 
 
 @dataclass(slots=True)
+class StrengthPoint(Description):
+    """Strength of a body at a point."""
+
+    #: In the shape's own frame [m].
+    point: Numbers
+    #: Times the strength of the body, from 1e-6 to 1e6.
+    factor: float
+
+
+@dataclass(slots=True)
 class Breaking(Description):
     """Fracture of a body."""
 
@@ -520,6 +534,14 @@ class Breaking(Description):
     #: the whole body, and of them the cells with their centres in reach come loose. By default all
     #: of the body breaks.
     reach: float | None = None
+    #: Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
+    #: blow's. What breaks again breaks where it is struck.
+    point: Numbers | None = None
+    #: Turn of the pattern about the blow's direction [rad].
+    twist: float | None = None
+    #: Points at which the body is stronger or weaker; in between strength is a mean, weighted by
+    #: the inverse squares of the distances. Not with the paper's method.
+    strength_points: list[StrengthPoint] | None = None
 
 
 @dataclass(slots=True)

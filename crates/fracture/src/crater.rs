@@ -41,7 +41,7 @@ pub(crate) fn shatter_within(
     (settings, reach): (&ShatterSettings, &Reach),
 ) -> Vec<Fragment> {
     let Some(hulls) = convex_parts(parent) else { return Vec::new() };
-    let placement = Placement::within(pattern, impact, parent, Some(reach));
+    let placement = Placement::with(pattern, impact, parent, settings);
     let mut parts: Vec<Part> = Vec::new();
     for hull in &hulls {
         let of_part = match reach.rim {

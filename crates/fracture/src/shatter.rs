@@ -43,7 +43,7 @@ pub fn shatter(
 ) -> Vec<Fragment> {
     match (&parent.geometry, pattern.planar()) {
         (Geometry::Grid(solid), Some(regions)) if settings.reach.is_none() => {
-            let placement = Placement::new(pattern, impact, parent);
+            let placement = Placement::with(pattern, impact, parent, settings);
             shatter_planar((parent, solid), (&placement, regions), settings)
         }
         (Geometry::Grid(solid), _) => shatter_sampled((parent, solid), pattern, impact, settings),
@@ -90,7 +90,7 @@ fn shatter_sampled(
 ) -> Vec<Fragment> {
     pattern.prepare();
     let reach = settings.reach.as_ref();
-    let placement = Placement::within(pattern, impact, parent, reach);
+    let placement = Placement::with(pattern, impact, parent, settings);
     let mut laid = Laid::new(pattern, placement, solid);
     if let Some(reach) = reach {
         laid.end_at(reach, solid);

@@ -85,7 +85,7 @@ pub(crate) fn cut_hull(
     let (Some(hull), Some(regions)) = (parent.breaks_as(), pattern.planar()) else {
         return Vec::new();
     };
-    let placement = Placement::new(pattern, impact, parent);
+    let placement = Placement::with(pattern, impact, parent, settings);
 
     // Cut each cell's part out.
     let mut workshop = Workshop::new(hull, parent.volume);

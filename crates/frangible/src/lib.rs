@@ -41,12 +41,14 @@ pub use scene::desc::breaking::{
     StrengthDesc,
 };
 pub use scene::desc::read::{no_json, read, schema};
+pub use scene::desc::strength_points::StrengthPointDesc;
 pub use scene::desc::{
     BodyDesc, KeyframeDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc,
     ShapeDesc, SidesDesc, SolverDesc,
 };
 pub use scene::fineness::{Fineness, Found};
 pub use scene::strength::Strength;
+pub use scene::strength_points::StrengthPoints;
 pub use step::bonds::state::Bonds;
 pub use step::step;
 pub use world::{Breaking, Label, World};

@@ -9,3 +9,4 @@ pub(crate) mod patterns;
 pub(crate) mod piece_file;
 pub(crate) mod shapes;
 pub(crate) mod strength;
+pub(crate) mod strength_points;

@@ -3,6 +3,7 @@
 pub(crate) mod body_path;
 pub(crate) mod bonds;
 pub(crate) mod break_bodies;
+pub(crate) mod local_strength;
 pub(crate) mod quarantine;
 
 use crate::report::books::{Totals, gravity_impulse};
@@ -10,6 +11,7 @@ use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use crate::scene::desc::Method;
 use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::step::break_bodies::break_bodies;
+use crate::step::local_strength::LocalStrengths;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::world::World;
 use frangible_bodies::{Drowsiness, Frame, Motion, Pose, accelerate, predict};
@@ -305,7 +307,10 @@ fn strike_and_break(
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
         let blows = if may_break {
-            strike(&mut world.bodies, &swept.pairs, &predicted, frame, accounts)
+            let World { bodies, labels, .. } = world;
+            let local = LocalStrengths::of(bodies, labels);
+            let local = |i: usize, point_body: DVec3| local.at(i, point_body);
+            strike(bodies, &swept.pairs, &predicted, &local, frame, accounts)
         } else {
             Vec::new()
         };

@@ -6,6 +6,7 @@ use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::{LookDesc, Method};
 use crate::scene::fineness::Fineness;
 use crate::scene::strength::Strength;
+use crate::scene::strength_points::StrengthPoints;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use frangible_bodies::{
@@ -14,7 +15,7 @@ use frangible_bodies::{
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetrations};
 use frangible_dynamics::Ledger;
 use frangible_fracture::{Fragment, Pattern, ShatterSettings};
-use frangible_geometry::Surface;
+use frangible_geometry::{Shape, Surface};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -81,9 +82,19 @@ pub struct Breaking {
     pub generations: u32,
     /// Minimum length of breakable bodies [m].
     pub smallest: f64,
+    /// Where the next break's pattern has its centre, in the shape's frame [m], if not at the blow.
+    pub center: Option<DVec3>,
+    /// Where it is stronger than elsewhere.
+    pub strength_points: Option<Arc<StrengthPoints>>,
 }
 
 impl Breaking {
+    /// The largest impulse that a body bears where it is weakest [N s].
+    pub(crate) fn bears(&self, shape: &Shape, density: f64) -> f64 {
+        let least = self.strength_points.as_ref().map_or(1.0, |points| points.least());
+        least * self.strength.bears(shape, density)
+    }
+
     /// The pattern of a step, at first as fine as described, then ever coarser, and the fragments
     /// that it makes; `None` beyond the coarsest.
     pub(crate) fn cut(

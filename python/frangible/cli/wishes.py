@@ -51,7 +51,7 @@ def add_wishes(parser: argparse.ArgumentParser) -> None:
         type=positive,
         const=GLUE,
         metavar="PA",
-        help="its closed parts, as `frangible break` writes them, or the pattern's pieces are glued "
+        help="its closed parts, as `frangible break` writes them, or a pattern's pieces are glued "
         f"together, and a bond bears so much [{GLUE:g} Pa]",
     )
     group.add_argument(

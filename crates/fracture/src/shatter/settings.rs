@@ -17,6 +17,8 @@ pub struct ShatterSettings {
     pub smallest: Smallest,
     /// How far the break reaches; by default through all of the body.
     pub reach: Option<Reach>,
+    /// Turn of the pattern about the collision normal [rad]; 0 by default.
+    pub twist: f64,
 }
 
 impl Default for ShatterSettings {
@@ -26,6 +28,7 @@ impl Default for ShatterSettings {
             sample_spacing_voxels: 2.0,
             smallest: Smallest::default(),
             reach: None,
+            twist: 0.0,
         }
     }
 }

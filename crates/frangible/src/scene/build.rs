@@ -13,6 +13,7 @@ use crate::scene::fineness::Fineness;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::strength::Strength;
+use crate::scene::strength_points::StrengthPoints;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
@@ -185,15 +186,10 @@ fn build_body(
     if desc.motion == MotionDesc::Dynamic {
         check_inertia(&shape, density, at)?;
     }
-    if breaking.is_some() && desc.motion != MotionDesc::Dynamic {
-        return Err(at
-            .field("breaking")
-            .broken("on a body that is not dynamic", "left out, or the body dynamic"));
-    }
+    check_breaking(desc, breaking.as_ref(), method, at)?;
     let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
-    let strength = breaking
-        .as_ref()
-        .map_or(f64::INFINITY, |breaking| breaking.strength.bears(&shape, density));
+    let strength =
+        breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.bears(&shape, density));
 
     // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
     let world_from_shape = RigidTransform::new(rotation, position);
@@ -286,6 +282,26 @@ fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     if method == Method::FrameRate && flat && is_exact { Make::Polyhedron } else { Make::Voxels }
 }
 
+/// What breaks moves by itself, and is of one strength in the paper's method.
+fn check_breaking(
+    desc: &BodyDesc,
+    breaking: Option<&Breaking>,
+    method: Method,
+    at: &Checker,
+) -> Result<(), BuildError> {
+    let Some(breaking) = breaking else { return Ok(()) };
+    if method == Method::Paper && breaking.strength_points.is_some() {
+        let at = at.field("breaking.strength_points");
+        return Err(at.broken("set", "left out, with the paper's method"));
+    }
+    if desc.motion != MotionDesc::Dynamic {
+        return Err(at
+            .field("breaking")
+            .broken("on a body that is not dynamic", "left out, or the body dynamic"));
+    }
+    Ok(())
+}
+
 /// Planar cells cut convex parts exactly; other bodies and other cells need a grid.
 fn make_to_glue(
     bonds: &BondsDesc,
@@ -347,8 +363,19 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
         }
         None => None,
     };
-    let shatter = ShatterSettings { reach, ..ShatterSettings::default() };
-    Ok(Breaking { patterns, pieces, strength, shatter, generations: desc.generations, smallest })
+    let twist = at.field("twist").within(desc.twist, -1e3, 1e3)?;
+    let shatter = ShatterSettings { reach, twist, ..ShatterSettings::default() };
+    let center = desc.point.map(|point| at.field("point").vector(point, "m")).transpose()?;
+    Ok(Breaking {
+        patterns,
+        pieces,
+        strength,
+        shatter,
+        generations: desc.generations,
+        smallest,
+        center,
+        strength_points: StrengthPoints::build(&desc.strength_points, at)?,
+    })
 }
 
 fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {

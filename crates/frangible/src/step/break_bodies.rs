@@ -96,7 +96,9 @@ fn crack(
     let breaking = Breaking::clone(world.labels[parent].breaking.as_ref()?);
     let striker = world.bodies.index_of(blow.striker)?;
     let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
-    let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
+    let center = breaking.center.map(|at| world.bodies.shapes[parent].body_from_grid.point(at));
+    let point_body = center.unwrap_or(blow.point_body);
+    let impact = Impact { point_body, normal_body: blow.normal_body };
     let energy_per_area = breaking.strength.fracture_energy();
     let available = if energy_per_area > 0.0 {
         energy_at(&world.bodies, pair, blow.acts_at)
@@ -150,13 +152,14 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
         parent: Some(world.bodies.ids[*parent]),
         look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
         breaking: if fragment.is_rest() {
-            is_large.then(|| Box::new(breaking.clone()))
+            is_large.then(|| Box::new(Breaking { center: None, ..breaking.clone() }))
         } else {
             breaks.then(|| {
                 let generations = breaking.generations - 1;
                 let shatter = ShatterSettings { reach: None, ..breaking.shatter };
                 let strength = strength();
-                Box::new(Breaking { generations, strength, shatter, ..breaking.clone() })
+                let center = None;
+                Box::new(Breaking { generations, strength, shatter, center, ..breaking.clone() })
             })
         },
         bonds: None,
@@ -189,7 +192,7 @@ pub(crate) fn fragment_body(
     let strength = label
         .breaking
         .as_ref()
-        .map_or(f64::INFINITY, |breaking| breaking.strength.bears(&fragment.shape, density));
+        .map_or(f64::INFINITY, |breaking| breaking.bears(&fragment.shape, density));
     NewBody {
         shape: Arc::new(fragment.shape),
         density,

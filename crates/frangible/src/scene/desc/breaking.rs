@@ -1,6 +1,7 @@
 //! Fracture of bodies, and glue between pieces.
 
 use crate::scene::desc::defaults;
+use crate::scene::desc::strength_points::StrengthPointDesc;
 use frangible_fracture::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,17 @@ pub struct BreakingDesc {
     /// of the body breaks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reach: Option<f64>,
+    /// Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
+    /// blow's. What breaks again breaks where it is struck.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<[f64; 3]>,
+    /// Turn of the pattern about the blow's direction [rad].
+    #[serde(default, skip_serializing_if = "defaults::is_zero")]
+    pub twist: f64,
+    /// Points at which the body is stronger or weaker; in between strength is a mean, weighted by
+    /// the inverse squares of the distances. Not with the paper's method.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength_points: Vec<StrengthPointDesc>,
 }
 
 /// The strength of a body: an impulse, or its material's.
@@ -184,6 +196,9 @@ impl BreakingDesc {
             generations,
             smallest: 0.0,
             reach: None,
+            point: None,
+            twist: 0.0,
+            strength_points: Vec::new(),
         }
     }
 }
