@@ -578,6 +578,8 @@ class Bonds(Description):
     #: Pieces with their centre in one of these boxes are fixed to the world. Without any, the body
     #: moves freely.
     anchors: list[Anchor] | None = None
+    #: Points at which bonds are stronger or weaker, as those of `breaking`.
+    strength_points: list[StrengthPoint] | None = None
 
 
 @dataclass(slots=True)

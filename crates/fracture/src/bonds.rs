@@ -4,6 +4,7 @@ use crate::grid_pieces::GridPieces;
 use crate::interfaces::interface::Interface;
 use crate::polygon;
 use crate::prescore::{Forms, Prescored, touching};
+use crate::strength_points::StrengthPoints;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
 use frangible_geometry::{Compound, Hull, NoMass, Shape, outer};
 use glam::{DMat3, DVec3};
@@ -33,6 +34,8 @@ pub struct Glued {
     pieces: Vec<RigidPiece>,
     bonds: Vec<Interface>,
     strength: BondStrength,
+    /// Where it is more, or less.
+    strength_points: Option<Arc<StrengthPoints>>,
     /// Of the last solution, from which the next one starts.
     displacements: Vec<Wrench>,
 }
@@ -104,7 +107,18 @@ impl Glued {
             pieces,
             bonds,
             strength,
+            strength_points: None,
         }
+    }
+
+    /// With bonds that are stronger at one place than at another.
+    pub fn with_strength_points(self, strength_points: Option<Arc<StrengthPoints>>) -> Self {
+        Self { strength_points, ..self }
+    }
+
+    /// Times the strength of a bond.
+    fn factor(&self, bond: &Interface) -> f64 {
+        self.strength_points.as_ref().map_or(1.0, |points| points.factor(bond.centroid))
     }
 
     /// Of convex pieces, in their frame; empty for others.
@@ -185,8 +199,10 @@ impl Glued {
         let strain =
             |stress: Stress| (stress.tension / strength.tension).max(stress.shear / strength.shear);
         let mut strains = stresses.into_iter().map(strain);
-        let of_bond =
-            |bond| if self.is_within_block(bond) { 0.0 } else { strains.next().unwrap_or(0.0) };
+        let of_bond = |bond| {
+            let is_rigid = self.is_within_block(bond);
+            if is_rigid { 0.0 } else { strains.next().unwrap_or(0.0) / self.factor(bond) }
+        };
         self.bonds.iter().map(of_bond).collect()
     }
 
@@ -275,6 +291,7 @@ impl Glued {
                 .map(|bond| Interface { a: place[bond.a].1, b: place[bond.b].1, ..*bond })
                 .collect(),
             strength: self.strength,
+            strength_points: self.strength_points.clone(),
             displacements: members.iter().map(|&piece| self.displacements[piece]).collect(),
         };
         members.iter().enumerate().map(part).collect()

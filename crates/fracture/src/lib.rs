@@ -27,6 +27,7 @@ mod shapes;
 mod shatter;
 mod shatter_hull;
 mod slivers;
+mod strength_points;
 mod stress;
 mod velocities;
 
@@ -60,4 +61,5 @@ pub use shatter::settings::ShatterSettings;
 pub use shatter::shatter;
 pub use shatter_hull::shatter_hull;
 pub use slivers::{Contact, Smallest, join_slivers};
+pub use strength_points::StrengthPoints;
 pub use velocities::fragment_velocity;

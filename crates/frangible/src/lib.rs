@@ -48,7 +48,6 @@ pub use scene::desc::{
 };
 pub use scene::fineness::{Fineness, Found};
 pub use scene::strength::Strength;
-pub use scene::strength_points::StrengthPoints;
 pub use step::bonds::state::Bonds;
 pub use step::step;
 pub use world::{Breaking, Label, World};

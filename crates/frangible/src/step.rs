@@ -37,7 +37,7 @@ pub fn step(world: &mut World) -> StepReport {
     }
 }
 
-/// Bodies of which fewer than this are not worth the way into the pool.
+/// Fewer bodies than this are not worth the way into the pool.
 const FEW: usize = 256;
 
 /// [`step`] on this thread, and on those of its pool if it has one.
@@ -309,8 +309,7 @@ fn strike_and_break(
         let blows = if may_break {
             let World { bodies, labels, .. } = world;
             let local = LocalStrengths::of(bodies, labels);
-            let local = |i: usize, point_body: DVec3| local.at(i, point_body);
-            strike(bodies, &swept.pairs, &predicted, &local, frame, accounts)
+            strike(bodies, &swept.pairs, &predicted, &|i, at| local.at(i, at), frame, accounts)
         } else {
             Vec::new()
         };

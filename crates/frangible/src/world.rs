@@ -6,7 +6,6 @@ use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::{LookDesc, Method};
 use crate::scene::fineness::Fineness;
 use crate::scene::strength::Strength;
-use crate::scene::strength_points::StrengthPoints;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use frangible_bodies::{
@@ -14,7 +13,7 @@ use frangible_bodies::{
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetrations};
 use frangible_dynamics::Ledger;
-use frangible_fracture::{Fragment, Pattern, ShatterSettings};
+use frangible_fracture::{Fragment, Pattern, ShatterSettings, StrengthPoints};
 use frangible_geometry::{Shape, Surface};
 use glam::DVec3;
 use std::sync::Arc;

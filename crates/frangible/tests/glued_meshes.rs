@@ -25,6 +25,7 @@ fn bonds(pattern: Option<PatternDesc>) -> BondsDesc {
         tensile_strength: 5e5,
         shear_strength: 5e5,
         anchors: Vec::new(),
+        strength_points: Vec::new(),
     }
 }
 

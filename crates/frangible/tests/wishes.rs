@@ -9,8 +9,8 @@
 
 use frangible::fracture::{Natural, Slices};
 use frangible::{
-    BodyDesc, BreakingDesc, Method, PatternDesc, Resolution, SceneDesc, ShapeDesc,
-    StrengthPointDesc, World, step,
+    AnchorDesc, BodyDesc, BondsDesc, BreakingDesc, Method, PartDesc, PatternDesc, Resolution,
+    SceneDesc, ShapeDesc, StrengthPointDesc, World, step,
 };
 use glam::DVec3;
 
@@ -111,6 +111,42 @@ fn strength_is_that_of_the_place() {
     assert!(world.labels().iter().any(|label| {
         label.breaking.as_ref().is_some_and(|breaking| breaking.strength_points.is_some())
     }));
+}
+
+/// A glued row of cubes that hangs from its top breaks where it is weak, not where it bears most.
+#[test]
+fn bonds_break_where_they_are_weak() {
+    let part = |n: usize| PartDesc::Box {
+        size: [0.2; 3],
+        position: [0.0, 0.2 * n as f64, 0.0],
+        orientation: [0.0, 0.0, 0.0, 1.0],
+    };
+    let lowest_that_hangs = |strength_points: Vec<StrengthPointDesc>| {
+        let mut scene = SceneDesc::new("row");
+        let shape = ShapeDesc::Compound { parts: (0..10).map(part).collect(), resolution: NONE };
+        let bonds = BondsDesc {
+            pattern: None,
+            point: None,
+            normal: [0.0, 1.0, 0.0],
+            // The upper end bears 18 kPa.
+            tensile_strength: 25e3,
+            shear_strength: 25e3,
+            anchors: vec![AnchorDesc { low: [-0.1, 1.7, -0.1], high: [0.1, 1.9, 0.1] }],
+            strength_points,
+        };
+        let row = BodyDesc { bonds: Some(bonds), density: 1000.0, ..BodyDesc::new("row", shape) };
+        scene.bodies = vec![row];
+        let mut world = World::build(&scene).unwrap();
+        (0..3).for_each(|_| drop(step(&mut world)));
+        let bodies = world.bodies();
+        let anchored = (0..bodies.len()).find(|&i| bodies.inertias[i].is_infinite()).unwrap();
+        bodies.poses[anchored].position.y + bodies.shapes[anchored].bounds.0.min_element()
+    };
+    let at = |y: f64, factor: f64| StrengthPointDesc { point: [0.0, y, 0.0], factor };
+    assert!(lowest_that_hangs(Vec::new()) < 0.0);
+    // Weak between the fourth cube and the fifth.
+    let weak = lowest_that_hangs(vec![at(0.5, 1.0), at(0.7, 0.2), at(0.9, 1.0)]);
+    assert!((weak - 0.7).abs() < 1e-6, "{weak}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::scene::desc::breaking::BondsDesc;
 use crate::scene::desc::{BodyDesc, MotionDesc};
 use crate::scene::patterns::build_pattern;
 use crate::scene::piece_file::{PieceFile, parts_of_mesh};
+use crate::scene::strength_points::build_strength_points;
 use crate::step::bonds::state::Bonds;
 use frangible_fracture::{BondStrength, Glued, Impact, prescore, prescore_parts};
 use frangible_geometry::Shape;
@@ -74,7 +75,8 @@ pub(crate) fn build_bonds(
         let world = world_from_shape.point(center);
         anchors.iter().any(|(low, high)| low.cmple(world).all() && world.cmple(*high).all())
     };
-    let glued = Glued::new(pieces, is_anchored, strength);
+    let glued = Glued::new(pieces, is_anchored, strength)
+        .with_strength_points(build_strength_points(&desc.strength_points, at)?);
     if !anchors.is_empty() && !glued.is_anchored() {
         return Err(at.field("anchors").broken(
             "boxes without the centre of a piece",

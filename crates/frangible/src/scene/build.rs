@@ -13,7 +13,7 @@ use crate::scene::fineness::Fineness;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::strength::Strength;
-use crate::scene::strength_points::StrengthPoints;
+use crate::scene::strength_points::build_strength_points;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
@@ -374,7 +374,7 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
         generations: desc.generations,
         smallest,
         center,
-        strength_points: StrengthPoints::build(&desc.strength_points, at)?,
+        strength_points: build_strength_points(&desc.strength_points, at)?,
     })
 }
 

@@ -1,8 +1,8 @@
 //! Bodies that are stronger at one place than at another.
 
-use crate::scene::strength_points::StrengthPoints;
 use crate::world::Label;
 use frangible_bodies::Bodies;
+use frangible_fracture::StrengthPoints;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 use std::collections::BTreeMap;

@@ -141,6 +141,9 @@ pub struct BondsDesc {
     /// moves freely.
     #[serde(default)]
     pub anchors: Vec<AnchorDesc>,
+    /// Points at which bonds are stronger or weaker, as those of `breaking`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength_points: Vec<StrengthPointDesc>,
 }
 
 /// A fixing box along the world's axes.
