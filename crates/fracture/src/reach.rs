@@ -34,20 +34,27 @@ const FACETS: usize = 14;
 const NEAREST: f64 = 1.0;
 const RAGGED: f64 = 0.25;
 
+/// How far in front of the surface the ball has its centre that the bowl is a part of, in units of
+/// its radius: the bowl opens outward, at 37 degrees at its rim, so that pieces can leave it. Half a
+/// ball around the blow held them fast. It is half as deep as it is wide from the blow to its rim.
+const IN_FRONT: f64 = 0.6;
+
 /// Turn from facet to facet: the golden angle spreads them evenly.
 const GOLDEN_ANGLE: f64 = TAU * 0.381_966_011_250_105;
 /// Fractional parts of its multiples vary the facets' distances evenly.
 const GOLDEN_PART: f64 = 0.618_033_988_749_895;
 
 impl Reach {
-    /// The facets of the bowl around the blow, on which a pattern lies: all of its corners are in
-    /// reach, the farthest just so.
+    /// The facets of the bowl at the blow, on which a pattern lies: behind the plane across the
+    /// blow's normal all of its corners are in reach, the farthest just so.
     pub(crate) fn bowl(&self, placement: &Placement) -> Vec<HalfSpace> {
         let facets: Vec<HalfSpace> = (0..FACETS).map(facet).collect();
-        let around = Hull::cuboid(DVec3::splat(2.0 * (NEAREST + RAGGED)));
-        let bowl = facets.iter().try_fold(around, |hull, facet| hull.clipped(facet));
+        let surface = HalfSpace { normal: DVec3::Z, offset: 0.0 };
+        let around = Hull::cuboid(DVec3::splat(4.0 * (NEAREST + RAGGED)));
+        let mut planes = facets.iter().chain([&surface]);
+        let bowl = planes.try_fold(around, |hull, plane| hull.clipped(plane));
         let corners = bowl.iter().flat_map(|hull| hull.vertices());
-        let farthest = corners.map(|corner| corner.length()).fold(NEAREST, f64::max);
+        let farthest = corners.map(|corner| corner.length()).fold(0.5 * NEAREST, f64::max);
         let scale = self.distance / farthest;
         let place = |facet: &HalfSpace| {
             let normal = (placement.grid_from_pattern * facet.normal).normalize();
@@ -65,13 +72,13 @@ impl Reach {
     }
 }
 
-/// A facet of the bowl around the origin.
+/// A facet of the bowl in the pattern frame, with the blow in the origin.
 fn facet(number: usize) -> HalfSpace {
     let height = 1.0 - (2 * number + 1) as f64 / FACETS as f64;
     let (across, angle) = ((1.0 - height * height).sqrt(), GOLDEN_ANGLE * number as f64);
     let normal = DVec3::new(across * libm::cos(angle), across * libm::sin(angle), height);
     let part = (GOLDEN_PART * (number + 1) as f64).fract();
-    HalfSpace { normal, offset: NEAREST + RAGGED * part }
+    HalfSpace { normal, offset: IN_FRONT * normal.z + NEAREST + RAGGED * part }
 }
 
 #[cfg(test)]
@@ -79,7 +86,7 @@ mod tests {
     use super::*;
     use glam::DMat3;
 
-    /// The bowl holds a ball of most of the reach, and none of it is out of reach.
+    /// Within the body none of the bowl is out of reach, and it is about half as deep as wide.
     #[test]
     fn all_of_the_bowl_is_in_reach() {
         let reach = Reach { distance: 0.3, rim: Rim::Bowl };
@@ -89,13 +96,17 @@ mod tests {
             center_pattern: DVec3::X,
             point_grid: DVec3::new(1.0, 2.0, 3.0),
         };
-        let bowl = reach.bowl(&placement);
-        let nearest = bowl.iter().map(|facet| -facet.distance(placement.point_grid));
-        assert!(nearest.fold(f64::INFINITY, f64::min) > 0.6 * reach.distance);
-        let around = Hull::cuboid(DVec3::splat(4.0));
-        let hull = bowl.iter().try_fold(around, |hull, facet| hull.clipped(facet)).unwrap();
-        let far = |corner: &DVec3| corner.distance(placement.point_grid);
-        let farthest = hull.vertices().iter().map(far).fold(0.0, f64::max);
+        let inward = -placement.grid_from_pattern.z_axis;
+        let surface = HalfSpace { normal: -inward, offset: -inward.dot(placement.point_grid) };
+        let mut planes = reach.bowl(&placement);
+        planes.push(surface);
+        let around = Hull::cuboid(DVec3::splat(6.0));
+        let hull = planes.iter().try_fold(around, |hull, facet| hull.clipped(facet)).unwrap();
+        let from_blow = |corner: &DVec3| *corner - placement.point_grid;
+        let corners = || hull.vertices().iter().map(from_blow);
+        let farthest = corners().map(DVec3::length).fold(0.0, f64::max);
+        let depth = corners().map(|corner| corner.dot(inward)).fold(0.0, f64::max);
         assert!((farthest / reach.distance - 1.0).abs() < 1e-12, "{farthest}");
+        assert!((0.35..0.65).contains(&(depth / reach.distance)), "{depth}");
     }
 }

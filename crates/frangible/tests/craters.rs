@@ -124,14 +124,14 @@ fn a_wall_stands_around_its_crater() {
         ("bricks", exact_box(WALL), bricks()),
         ("bricks of a mesh", mesh_box(WALL), bricks()),
     ] {
-        let (world, reports) = struck(wall(shape, pattern, Some(0.4)));
+        let (world, reports) = struck(wall(shape, pattern, Some(0.6)));
         let fractures: Vec<_> = reports.iter().flat_map(|report| &report.fractures).collect();
         assert_eq!(fractures.len(), 1, "{what}");
         assert!((8..40).contains(&fractures[0].fragments.len()), "{what}");
         assert_exact(&reports);
         let (_, mass, at) = heaviest(&world);
         let whole = DENSITY * WALL.iter().product::<f64>();
-        assert!((0.9..0.98).contains(&(mass / whole)), "{what}: {mass} of {whole}");
+        assert!((0.8..0.99).contains(&(mass / whole)), "{what}: {mass} of {whole}");
         assert!((at.y - 0.5 * WALL[1]).abs() < 0.05 && at.z.abs() < 0.1, "{what}: {at}");
     }
     let (world, _) = struck(wall(exact_box(WALL), natural(), None));
@@ -144,7 +144,7 @@ fn a_wall_stands_around_its_crater() {
 fn what_stands_breaks_again() {
     let run_both = || {
         let late = BodyDesc { position: [-0.8, 1.0, 3.0], ..ball([0.0; 2]) };
-        let wall = wall(exact_box(WALL), natural(), Some(0.4));
+        let wall = wall(exact_box(WALL), natural(), Some(0.6));
         let mut world = world_of(vec![wall, ball([0.3, 1.3]), late]);
         let reports = run(&mut world, 20);
         (world, reports)
@@ -153,8 +153,9 @@ fn what_stands_breaks_again() {
     assert_eq!(reports.iter().map(|report| report.fractures.len()).sum::<usize>(), 2);
     assert_exact(&reports);
     let whole = DENSITY * WALL.iter().product::<f64>();
-    assert!((0.9..0.96).contains(&(heaviest(&world).1 / whole)), "{:?}", heaviest(&world));
-    assert_eq!(world.state_hash(), run_both().0.state_hash());
+    assert!((0.9..0.975).contains(&(heaviest(&world).1 / whole)), "{:?}", heaviest(&world));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    assert_eq!(world.state_hash(), pool.install(run_both).0.state_hash());
 }
 
 /// What a crater parts from the rest is a body of its own: a pillar that is struck in its middle
@@ -179,11 +180,11 @@ fn rests_that_are_not_connected_are_bodies_of_their_own() {
         ("mesh", mesh_box(pillar), 1.0, 2),
         ("angle", angle, 1.0, 2),
     ] {
-        let wall = BodyDesc { name: what.into(), ..wall(shape, fine.clone(), Some(0.6)) };
+        let wall = BodyDesc { name: what.into(), ..wall(shape, fine.clone(), Some(0.75)) };
         let mut world = world_of(vec![wall, ball([0.0, at])]);
         let reports = run(&mut world, 4);
         assert_exact(&reports);
-        let large = world.bodies().masses.iter().filter(|&&mass| (40.0..1e3).contains(&mass));
+        let large = world.bodies().masses.iter().filter(|&&mass| (18.0..1e3).contains(&mass));
         assert_eq!(large.count(), rests, "{what}: {:?}", world.bodies().masses);
     }
 }
