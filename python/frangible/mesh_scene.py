@@ -43,6 +43,8 @@ class Wishes:
     pieces: int | None = None
     #: An impulse [N s], or a material of the core's table.
     strength: float | str | None = None
+    #: How far a break reaches from its blow, in the file's unit; the rest stays whole.
+    reach: float | None = None
     #: What the glue between the file's closed parts, or a pattern's pieces, bears [Pa].
     glue: float | None = None
     #: Radius, and speed [m/s].
@@ -76,7 +78,7 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         name=os.path.splitext(os.path.basename(name))[0],
         material=wishes.material,
         orientation=orientation,
-        breaking=None if wishes.glue is not None else _breaking(wishes),
+        breaking=None if wishes.glue is not None else _breaking(wishes, frame),
         bonds=_bonds(wishes),
     )
     bodies = [mesh]
@@ -148,12 +150,13 @@ def _points(name: str) -> tuple[Float64, Float64]:
     return np.asarray(vertices, np.float64), np.asarray(triangles)
 
 
-def _breaking(wishes: Wishes) -> Breaking | None:
+def _breaking(wishes: Wishes, frame: Float64) -> Breaking | None:
     """As far as it is wished: the material decides the rest."""
     fields: dict[str, Any] = {
         "pattern": _pattern(wishes),
         "strength": wishes.strength,
         "pieces": wishes.pieces,
+        "reach": None if wishes.reach is None else wishes.reach * _unit(frame),
     }
     if all(value is None for value in fields.values()):
         return None
@@ -171,7 +174,8 @@ def _bonds(wishes: Wishes) -> Bonds | None:
     """Glue between the file's parts or, if one is wished, the pieces of a pattern."""
     if wishes.glue is None:
         return None
-    for option, given in (("strength", wishes.strength), ("pieces", wishes.pieces)):
+    others = {"strength": wishes.strength, "pieces": wishes.pieces, "reach": wishes.reach}
+    for option, given in others.items():
         if given is not None:
             raise BuildError(f"{option}: {given}, must be left out with glue")
     pattern = None if wishes.pattern is None else _pattern(wishes)

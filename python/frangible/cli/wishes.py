@@ -18,6 +18,7 @@ OPTIONS = {
     "material": "--material",
     "pattern": "--pattern",
     "strength": "--strength",
+    "reach": "--reach",
     "glue": "--glue",
     "ball": "--ball",
     "origin": "--from",
@@ -44,6 +45,12 @@ def add_wishes(parser: argparse.ArgumentParser) -> None:
         type=_strength,
         metavar="N",
         help="largest impulse that it bears [N s], or a material's name [the material's]",
+    )
+    group.add_argument(
+        "--reach",
+        type=positive,
+        metavar="LENGTH",
+        help="how far a break reaches from its blow, in the file's unit: the rest stays whole",
     )
     group.add_argument(
         "--glue",
