@@ -28,7 +28,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "friction": 0.6,
         "restitution": 0.1,
         "strength": "brick",
-        "pattern": {"kind": "natural", "cells": 40},
+        "pattern": {"kind": "natural", "cells": 40, "clustering": 2.0},
         "look": "brick",
     },
     "masonry": {

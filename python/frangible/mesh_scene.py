@@ -14,7 +14,7 @@ from ._frangible import BuildError
 from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, readable_mesh
 from .material_presets import PRESETS
 from .recording import Float64
-from .scene_types import Body, Breaking, HalfSpace, Mesh, SceneDesc, Sphere, Starts
+from .scene_types import Body, Bonds, Breaking, HalfSpace, Mesh, SceneDesc, Sphere, Starts
 from .words import did_you_mean
 
 #: Metres in a unit.
@@ -40,6 +40,10 @@ class Wishes:
     pieces: int | None = None
     #: An impulse [N s], or a material of the core's table.
     strength: float | str | None = None
+    #: How far a break reaches from its blow, in the file's unit; the rest stays whole.
+    reach: float | None = None
+    #: What the glue between the file's closed parts, or a pattern's pieces, bears [Pa].
+    glue: float | None = None
     #: Radius, and speed [m/s].
     ball: tuple[float, float] | None = None
     #: Where the ball comes from.
@@ -71,7 +75,8 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         name=os.path.splitext(os.path.basename(name))[0],
         material=wishes.material,
         orientation=orientation,
-        breaking=_breaking(wishes),
+        breaking=None if wishes.glue is not None else _breaking(wishes, frame),
+        bonds=_bonds(wishes),
     )
     bodies = [mesh]
     if wishes.ground:
@@ -142,12 +147,13 @@ def _points(name: str) -> tuple[Float64, Float64]:
     return np.asarray(vertices, np.float64), np.asarray(triangles)
 
 
-def _breaking(wishes: Wishes) -> Breaking | None:
+def _breaking(wishes: Wishes, frame: Float64) -> Breaking | None:
     """As far as it is wished: the material decides the rest."""
     fields: dict[str, Any] = {
         "pattern": _pattern(wishes),
         "strength": wishes.strength,
         "pieces": wishes.pieces,
+        "reach": None if wishes.reach is None else wishes.reach * _unit(frame),
     }
     if all(value is None for value in fields.values()):
         return None
@@ -159,6 +165,19 @@ def _breaking(wishes: Wishes) -> Breaking | None:
             f"material: {wishes.material!r} does not break, must come with a strength and a pattern"
         )
     return Breaking.from_dict(fields)
+
+
+def _bonds(wishes: Wishes) -> Bonds | None:
+    """Glue between the file's parts or, if one is wished, the pieces of a pattern."""
+    if wishes.glue is None:
+        return None
+    others = {"strength": wishes.strength, "pieces": wishes.pieces, "reach": wishes.reach}
+    for option, given in others.items():
+        if given is not None:
+            raise BuildError(f"{option}: {given}, must be left out with glue")
+    pattern = None if wishes.pattern is None else _pattern(wishes)
+    fields = {"pattern": pattern, "tensile_strength": wishes.glue, "shear_strength": wishes.glue}
+    return Bonds.from_dict({name: field for name, field in fields.items() if field is not None})
 
 
 def _pattern(wishes: Wishes) -> dict[str, Any] | None:

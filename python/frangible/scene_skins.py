@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -79,7 +80,12 @@ def scene_skins(scene: Any, readable: Any, inside: str | None = None) -> dict[in
     for (number, _, shape), (_, _, plain) in zip(_meshes(scene), _meshes(readable), strict=True):
         path = str(shape["path"])
         if path not in known:
-            known[path] = read_skin(path, str(plain["path"]), inside, materials)
+            # A folder of pieces has no materials of its own.
+            known[path] = (
+                None
+                if os.path.isdir(path)
+                else read_skin(path, str(plain["path"]), inside, materials)
+            )
         skin = known[path]
         if skin is not None:
             found[number] = BodySkin(skin, float(shape.get("scale", 1.0)))
@@ -110,7 +116,7 @@ def volume_notes(readable: Any, masses: Any) -> list[str]:
     density = _frangible.scene_schema()["$defs"]["BodyDesc"]["properties"]["density"]["default"]
     for number, body, shape in _meshes(readable):
         mass = float(masses[number])
-        if not np.isfinite(mass):
+        if not np.isfinite(mass) or os.path.isdir(str(shape["path"])):
             continue
         scale = float(shape.get("scale", 1.0))
         raw = _frangible.load_mesh(str(shape["path"]))

@@ -399,6 +399,10 @@ class Natural(Description):
     #: Spread of sizes, from 0 (the largest cell cracks) over 0.5 (probability proportional to
     #: volume) to 1 (equal probability). Without it 0.7.
     spread: float | None = None
+    #: Gathers small cells around the centre, from 0 (everywhere alike) to 30: a cell cracks the
+    #: more likely the nearer it is, by a Gaussian whose standard deviation is `half_extent /
+    #: clustering`. Without it 0.0.
+    clustering: float | None = None
     #: Of the random numbers. Without it 1.
     seed: int | None = None
     #: Shape of the pattern's box; only its proportions matter. Without it [1.0, 1.0, 1.0].
@@ -514,6 +518,16 @@ AnyPattern = Radial | Voronoi | Natural | Slices | Bricks | Splinters | Concrete
 
 
 @dataclass(slots=True)
+class StrengthPoint(Description):
+    """Strength of a body at a point."""
+
+    #: In the shape's own frame [m].
+    point: Numbers
+    #: Times the strength of the body, from 1e-6 to 1e6.
+    factor: float
+
+
+@dataclass(slots=True)
 class Breaking(Description):
     """Fracture of a body."""
 
@@ -530,6 +544,19 @@ class Breaking(Description):
     generations: int | None = None
     #: Minimum longest side of fragments that break again [m]. Without it 0.0.
     smallest: float | None = None
+    #: How far a break reaches from its blow [m]: the rest stays whole, and is broken as before by
+    #: the next blow. The pattern is laid on what is in reach; bricks, slices and files are laid on
+    #: the whole body, and of them the cells with their centres in reach come loose. By default all
+    #: of the body breaks.
+    reach: float | None = None
+    #: Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
+    #: blow's. What breaks again breaks where it is struck.
+    point: Numbers | None = None
+    #: Turn of the pattern about the blow's direction [rad].
+    twist: float | None = None
+    #: Points at which the body is stronger or weaker; in between strength is a mean, weighted by
+    #: the inverse squares of the distances. Not with the paper's method.
+    strength_points: list[StrengthPoint] | None = None
 
 
 @dataclass(slots=True)
@@ -553,8 +580,9 @@ class Bonds(Description):
     shear_strength: float
 
     _: KW_ONLY
-    #: Pattern that cuts a box, a hull or a compound into pieces; without it, a compound's parts are
-    #: the pieces.
+    #: Pattern that cuts the body into pieces. Without it, the parts of a compound are the pieces,
+    #: or the closed parts of a mesh, as `frangible break` writes them: a file or a folder of OBJ
+    #: files.
     pattern: AnyPattern | None = None
     #: Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
     #: middle of the shape.
@@ -565,6 +593,8 @@ class Bonds(Description):
     #: Pieces with their centre in one of these boxes are fixed to the world. Without any, the body
     #: moves freely.
     anchors: list[Anchor] | None = None
+    #: Points at which bonds are stronger or weaker, as those of `breaking`.
+    strength_points: list[StrengthPoint] | None = None
 
 
 @dataclass(slots=True)

@@ -32,6 +32,11 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> dict[str,
     return scene
 
 
+def test_a_reach_is_in_the_unit_of_the_file(block: Path) -> None:
+    wishes = Wishes(unit="cm", up="z", ground=True, reach=30.0)
+    assert mesh_scene(block, wishes).to_dict()["bodies"][1]["breaking"] == {"reach": 0.3}
+
+
 def test_a_ball_arrives_in_its_frame_and_the_mesh_breaks_into_pieces(
     block: Path, tmp_path: Path
 ) -> None:

@@ -3,6 +3,7 @@
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
 use crate::placement::Placement;
+use crate::shatter::settings::ShatterSettings;
 use frangible_geometry::Shape;
 use glam::{DMat3, DVec3};
 
@@ -23,21 +24,42 @@ impl Placement {
     /// the body is longest across the normal, so that long pieces of a pattern lie along a long
     /// body, and equal blows break equally. A magnified pattern's box is larger by as much.
     pub fn new(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Self {
+        Self::with(pattern, impact, struck, &ShatterSettings::default())
+    }
+
+    /// The same, twisted; and for a break with a reach the box around that, if it is smaller.
+    pub fn with(
+        pattern: &Pattern,
+        impact: &Impact,
+        struck: &Shape,
+        settings: &ShatterSettings,
+    ) -> Self {
         let grid_from_body = struck.body_from_grid.inverse();
         let impact_grid = Impact {
             point_body: grid_from_body.point(impact.point_body),
             normal_body: grid_from_body.direction(impact.normal_body),
         };
         let corners_grid = corners(struck.bounds).map(|corner| grid_from_body.point(corner));
-        Self::around(pattern, &impact_grid, &corners_grid)
+        let mut placement = Self::twisted(pattern, &impact_grid, &corners_grid, settings.twist);
+        if let Some(scale) = settings.reach.and_then(|reach| reach.scale(pattern)) {
+            placement.scale = placement.scale.min(scale * pattern.magnification);
+        }
+        placement
     }
 
     /// The same for a body of which only the corners of a box around it are known, in the frame of
     /// the impact: the grid frame is that one.
     pub fn around(pattern: &Pattern, impact: &Impact, corners_grid: &[DVec3; 8]) -> Self {
+        Self::twisted(pattern, impact, corners_grid, 0.0)
+    }
+
+    fn twisted(pattern: &Pattern, impact: &Impact, corners_grid: &[DVec3; 8], twist: f64) -> Self {
         let point_grid = impact.point_body;
         let z = impact.normal_body.normalize();
-        let x = longest_axis_across(z, corners_grid);
+        let mut x = longest_axis_across(z, corners_grid);
+        if twist != 0.0 {
+            x = libm::cos(twist) * x + libm::sin(twist) * z.cross(x);
+        }
         let grid_from_pattern = DMat3::from_cols(x, z.cross(x), z);
 
         // The scale at which the farthest corner reaches the wall of the box on its side.

@@ -1,17 +1,12 @@
 //! Pieces that are glued together, and when the glue gives way.
 
-use crate::align::{Impact, align_pattern};
-use crate::fragment::Fragment;
+use crate::grid_pieces::GridPieces;
 use crate::interfaces::interface::Interface;
-use crate::pattern::Pattern;
-use crate::shatter::settings::ShatterSettings;
-use crate::shatter_hull::cut_hull;
-use crate::slivers::Smallest;
+use crate::polygon;
+use crate::prescore::{Forms, Prescored, touching};
+use crate::strength_points::StrengthPoints;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
-use crate::{interfaces, polygon};
-use frangible_geometry::outer;
-use frangible_geometry::{Geometry, HalfSpace, Hull, PlaneClipper, Shape};
-use frangible_math::RigidTransform;
+use frangible_geometry::{Compound, Hull, NoMass, Shape, outer};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,11 +21,15 @@ pub struct BondStrength {
     pub shear: f64,
 }
 
-/// Convex pieces with a bond at each common face; all in the frame of the body before it broke.
+/// Pieces with a bond at each contact; all in the frame of the body before it broke.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Glued {
+    /// Of convex pieces.
     #[serde(with = "frangible_math::shared")]
     hulls: Vec<Arc<Hull>>,
+    /// All pieces of the body that these were first glued together in, if that lies on a grid.
+    #[serde(with = "frangible_math::shared")]
+    grid: Option<Arc<GridPieces>>,
     /// Of each piece, in the body that all of them were first glued together in.
     numbers: Vec<u32>,
     /// For each piece; no bond breaks between two of one block.
@@ -38,6 +37,9 @@ pub struct Glued {
     pieces: Vec<RigidPiece>,
     bonds: Vec<Interface>,
     strength: BondStrength,
+    /// Where it is more, or less.
+    #[serde(with = "frangible_math::shared")]
+    strength_points: Option<Arc<StrengthPoints>>,
     /// Of the last solution, from which the next one starts.
     displacements: Vec<Wrench>,
 }
@@ -81,36 +83,72 @@ impl Glued {
         anchored: impl Fn(DVec3) -> bool,
         strength: BondStrength,
     ) -> Self {
-        let Prescored { hulls, blocks } = prescored;
-        let piece = |hull: &Hull| {
-            let mass = hull.mass_properties();
-            RigidPiece {
-                center: mass.center,
-                volume: mass.volume,
-                inertia: mass.inertia,
-                anchored: anchored(mass.center),
-            }
+        let Prescored { forms, blocks, contacts } = prescored;
+        let (hulls, grid) = match forms {
+            Forms::Hulls(hulls) => (hulls, None),
+            Forms::Grid(grid) => (Vec::new(), Some(grid)),
         };
-        let pieces: Vec<RigidPiece> = hulls.iter().map(piece).collect();
-        let bonds = touching(&hulls);
-        let displacements = vec![Wrench::default(); pieces.len()];
+        let of_hull = |hull: &Hull| {
+            let mass = hull.mass_properties();
+            let (center, volume, inertia) = (mass.center, mass.volume, mass.inertia);
+            RigidPiece { center, volume, inertia, anchored: false }
+        };
+        let mut pieces: Vec<RigidPiece> = match &grid {
+            Some(grid) => (0..grid.len()).map(|piece| grid.rigid(piece)).collect(),
+            None => hulls.iter().map(of_hull).collect(),
+        };
+        pieces.iter_mut().for_each(|piece| piece.anchored = anchored(piece.center));
+        let bonds = contacts.unwrap_or_else(|| match &grid {
+            Some(grid) => grid.contacts(),
+            None => touching(&hulls),
+        });
         Self {
-            numbers: (0..hulls.len() as u32).collect(),
+            numbers: (0..pieces.len() as u32).collect(),
             hulls: hulls.into_iter().map(Arc::new).collect(),
+            grid,
             blocks,
+            displacements: vec![Wrench::default(); pieces.len()],
             pieces,
             bonds,
             strength,
-            displacements,
+            strength_points: None,
         }
     }
 
-    /// In the pieces' frame.
+    /// With bonds that are stronger at one place than at another.
+    pub fn with_strength_points(self, strength_points: Option<Arc<StrengthPoints>>) -> Self {
+        Self { strength_points, ..self }
+    }
+
+    /// Times the strength of a bond.
+    fn factor(&self, bond: &Interface) -> f64 {
+        self.strength_points.as_ref().map_or(1.0, |points| points.factor(bond.centroid))
+    }
+
+    /// Of convex pieces, in their frame; empty for others.
     pub fn hulls(&self) -> &[Arc<Hull>] {
         &self.hulls
     }
 
-    /// In the order of the hulls.
+    /// All pieces together, in their frame. Samples of polyhedra lie `sample_spacing` [m] apart.
+    ///
+    /// # Errors
+    /// If the volume or a moment vanishes.
+    pub fn shape(&self, sample_spacing: f64) -> Result<Shape, NoMass> {
+        if let Some(grid) = &self.grid {
+            return grid.union(&self.numbers).ok_or(NoMass);
+        }
+        let mut hulls: Vec<Hull> = self.hulls.iter().map(|hull| Hull::clone(hull)).collect();
+        match (hulls.len(), hulls.pop()) {
+            (1, Some(hull)) => Shape::convex(hull, sample_spacing),
+            (_, last) => {
+                hulls.extend(last);
+                Shape::compound(Compound::new(hulls), sample_spacing)
+            }
+        }
+    }
+
+    /// Masses and places.
     pub fn pieces(&self) -> &[RigidPiece] {
         &self.pieces
     }
@@ -165,8 +203,10 @@ impl Glued {
         let strain =
             |stress: Stress| (stress.tension / strength.tension).max(stress.shear / strength.shear);
         let mut strains = stresses.into_iter().map(strain);
-        let of_bond =
-            |bond| if self.is_within_block(bond) { 0.0 } else { strains.next().unwrap_or(0.0) };
+        let of_bond = |bond| {
+            let is_rigid = self.is_within_block(bond);
+            if is_rigid { 0.0 } else { strains.next().unwrap_or(0.0) / self.factor(bond) }
+        };
         self.bonds.iter().map(of_bond).collect()
     }
 
@@ -243,7 +283,8 @@ impl Glued {
             }
         }
         let part = |(island, members): (usize, &Vec<usize>)| Self {
-            hulls: members.iter().map(|&piece| self.hulls[piece].clone()).collect(),
+            hulls: members.iter().filter_map(|&piece| self.hulls.get(piece).cloned()).collect(),
+            grid: self.grid.clone(),
             numbers: members.iter().map(|&piece| self.numbers[piece]).collect(),
             blocks: members.iter().map(|&piece| self.blocks[piece]).collect(),
             pieces: members.iter().map(|&piece| self.pieces[piece]).collect(),
@@ -254,6 +295,7 @@ impl Glued {
                 .map(|bond| Interface { a: place[bond.a].1, b: place[bond.b].1, ..*bond })
                 .collect(),
             strength: self.strength,
+            strength_points: self.strength_points.clone(),
             displacements: members.iter().map(|&piece| self.displacements[piece]).collect(),
         };
         members.iter().enumerate().map(part).collect()
@@ -281,26 +323,10 @@ impl Glued {
         for load in &contact {
             (low, high) = (low.min(load.point), high.max(load.point));
         }
-        let close = FLAT * (high - low).max_element();
-        let mut faces: Vec<(DVec3, f64)> = Vec::new();
-        for face in
-            self.hulls.iter().flat_map(|hull| (0..hull.faces().len()).map(move |at| (hull, at)))
-        {
-            let (hull, plane) = (face.0, face.0.face(face.1).plane);
-            let holds_all = contact.iter().all(|load| plane.distance(load.point).abs() <= close);
-            if holds_all && plane.normal.dot(normal) < 0.0 {
-                let corners: Vec<DVec3> = hull
-                    .face(face.1)
-                    .vertices
-                    .iter()
-                    .map(|&vertex| hull.vertices()[vertex as usize])
-                    .collect();
-                let (area, centroid) = polygon::area_and_centroid(&corners);
-                if centroid.cmpge(low - close).all() && centroid.cmple(high + close).all() {
-                    faces.push((centroid, area));
-                }
-            }
-        }
+        let faces = match &self.grid {
+            Some(grid) => self.samples_in(grid, &contact, (low, high)),
+            None => self.faces_in(&contact, normal, (low, high)),
+        };
 
         // The share of each face is its area's, and a gradient's that moves the middle to where it
         // was.
@@ -323,102 +349,77 @@ impl Glued {
         faces.into_iter().map(share).collect()
     }
 
+    /// Faces of polyhedra in the plane of a contact and in the box of its points: centroid and
+    /// area.
+    fn faces_in(
+        &self,
+        contact: &[PointLoad],
+        normal: DVec3,
+        (low, high): (DVec3, DVec3),
+    ) -> Vec<(DVec3, f64)> {
+        let close = FLAT * (high - low).max_element();
+        let mut faces: Vec<(DVec3, f64)> = Vec::new();
+        for face in
+            self.hulls.iter().flat_map(|hull| (0..hull.faces().len()).map(move |at| (hull, at)))
+        {
+            let (hull, plane) = (face.0, face.0.face(face.1).plane);
+            let holds_all = contact.iter().all(|load| plane.distance(load.point).abs() <= close);
+            if holds_all && plane.normal.dot(normal) < 0.0 {
+                let corners: Vec<DVec3> = hull
+                    .face(face.1)
+                    .vertices
+                    .iter()
+                    .map(|&vertex| hull.vertices()[vertex as usize])
+                    .collect();
+                let (area, centroid) = polygon::area_and_centroid(&corners);
+                if centroid.cmpge(low - close).all() && centroid.cmple(high + close).all() {
+                    faces.push((centroid, area));
+                }
+            }
+        }
+        faces
+    }
+
+    /// The same of pieces on a grid: each of their surface samples there stands for as much area.
+    fn samples_in(
+        &self,
+        grid: &GridPieces,
+        contact: &[PointLoad],
+        (low, high): (DVec3, DVec3),
+    ) -> Vec<(DVec3, f64)> {
+        let close = grid.half_voxel();
+        let Some(first) = contact.first() else { return Vec::new() };
+        let mut across = DVec3::ZERO;
+        for pair in contact.windows(2) {
+            let normal = (pair[0].point - first.point).cross(pair[1].point - first.point);
+            across += if normal.dot(across) < 0.0 { -normal } else { normal };
+        }
+        let Some(across) = across.try_normalize() else { return Vec::new() };
+        let height = |point: DVec3| across.dot(point - first.point).abs();
+        if contact.iter().any(|load| height(load.point) > close) {
+            return Vec::new();
+        }
+        let (low, high) = (low - close, high + close);
+        let is_in = |point: &DVec3| {
+            height(*point) <= close && point.cmpge(low).all() && point.cmple(high).all()
+        };
+        let samples = self.numbers.iter().flat_map(|&piece| grid.samples(piece as usize));
+        samples.filter(is_in).map(|point| (point, 1.0)).collect()
+    }
+
     /// The piece that a point lies in, or is nearest to.
     fn piece_at(&self, point: DVec3) -> Option<usize> {
-        let distance = |hull: &Hull| hull.distance_and_gradient(point).0;
-        (0..self.hulls.len())
-            .map(|index| (distance(&self.hulls[index]), index))
+        let distance = |index: usize| match &self.grid {
+            Some(grid) => grid.distance(self.numbers[index] as usize, point),
+            None => self.hulls[index].distance_and_gradient(point).0,
+        };
+        (0..self.pieces.len())
+            .map(|index| (distance(index), index))
             .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
             .map(|(_, index)| index)
     }
 }
 
-/// The pieces that a glued body is cut into.
-#[derive(Clone, Debug)]
-pub struct Prescored {
-    /// In the frame of the body's grid.
-    pub hulls: Vec<Hull>,
-    /// Block of each piece. Pieces of one block stay together: mortar sticks to the brick of its
-    /// block.
-    pub blocks: Vec<u32>,
-}
-
-impl From<Vec<Hull>> for Prescored {
-    /// Each a block.
-    fn from(hulls: Vec<Hull>) -> Self {
-        Self { blocks: (0..hulls.len() as u32).collect(), hulls }
-    }
-}
-
-impl Prescored {
-    fn with_capacity(pieces: usize) -> Self {
-        Self { hulls: Vec::with_capacity(pieces), blocks: Vec::with_capacity(pieces) }
-    }
-
-    /// Adds the piece that a cell of a pattern cuts out of one of a body's parts. A joint belongs
-    /// to the block of the last non-joint cell before it, and has its own material.
-    fn add(&mut self, hull: Hull, pattern: &Pattern, part: usize, cell: usize) {
-        let owner = (0..=cell).rev().find(|&cell| !pattern.is_joint(cell)).unwrap_or(cell);
-        self.hulls.push(if pattern.is_joint(cell) { hull.all_inner() } else { hull });
-        self.blocks.push((part * pattern.len() + owner) as u32);
-    }
-}
-
-/// The pieces of a body that is one convex polyhedron or several, in the frame of its grid: each
-/// cut along a pattern, that is laid on the body as for an impact, if there is one. `None` if the
-/// body, or a cell of the pattern, is not made of convex polyhedra.
-pub fn prescore(body: &Shape, pattern: Option<&Pattern>, impact: &Impact) -> Option<Prescored> {
-    let parts: Vec<Hull> = match &body.geometry {
-        Geometry::Compound(compound) => {
-            compound.parts().iter().map(|part| part.hull.clone()).collect()
-        }
-        _ => vec![body.breaks_as()?.clone()],
-    };
-    let Some(pattern) = pattern else { return Some(parts.into()) };
-    pattern.planar()?;
-    if body.breaks_as().is_some() {
-        let settings =
-            ShatterSettings { smallest: Smallest::of_first(body), ..ShatterSettings::default() };
-        let fragments = cut_hull(body, pattern, impact, &settings, false);
-        let mut pieces = Prescored::with_capacity(fragments.len());
-        for fragment in fragments {
-            pieces.add(fragment.shape.breaks_as()?.clone(), pattern, 0, fragment.cell as usize);
-        }
-        return Some(pieces);
-    }
-
-    // Each part of a compound is cut by itself.
-    let regions = align_pattern(pattern, impact, body);
-    let mut clipper = PlaneClipper::default();
-    let mut pieces = Prescored::with_capacity(parts.len());
-    for (number, part) in parts.iter().enumerate() {
-        for (cell, region) in regions.iter().enumerate() {
-            let cuts: Vec<HalfSpace> = region.cuts.iter().map(|cut| cut.half_space).collect();
-            let piece = clipper.clipped(part, &cuts);
-            if let Some(piece) = piece.filter(|piece| piece.volume() > SMALLEST_PIECE * body.volume)
-            {
-                pieces.add(piece, pattern, number, cell);
-            }
-        }
-    }
-    Some(pieces)
-}
-
 /// Maximum distance from a plane, relative to a contact's extent, for points and faces in the
 /// contact.
 const FLAT: f64 = 1e-3;
-
-/// Part of a body's volume below which a piece is rounding.
-const SMALLEST_PIECE: f64 = 1e-12;
-
-/// A bond for each face that two hulls share.
-fn touching(hulls: &[Hull]) -> Vec<Interface> {
-    let fragment = |hull: &Hull| {
-        let (low, high) = hull.bounds();
-        let shape = Shape::convex(hull.clone(), (high - low).max_element()).ok()?;
-        let parent_from_fragment: RigidTransform = shape.body_from_grid.inverse();
-        Some(Fragment { shape, parent_from_fragment, cell: 0 })
-    };
-    let fragments: Option<Vec<Fragment>> = hulls.iter().map(fragment).collect();
-    fragments.map(|fragments| interfaces(&fragments)).unwrap_or_default()
-}

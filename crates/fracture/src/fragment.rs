@@ -15,6 +15,14 @@ pub struct Fragment {
 }
 
 impl Fragment {
+    /// Cell of what a break with a reach leaves whole.
+    pub const REST: u32 = u32::MAX;
+
+    /// True for what a break with a reach leaves whole.
+    pub fn is_rest(&self) -> bool {
+        self.cell == Self::REST
+    }
+
     /// Where it was in its parent, whose grid frame is the shape's.
     pub fn new(parent: &Shape, shape: Shape, cell: u32) -> Self {
         let parent_from_fragment = parent.body_from_grid.after(&shape.body_from_grid.inverse());

@@ -25,6 +25,9 @@ const MARGIN: f64 = 3.0;
 /// single-precision numbers.
 const ON_THE_BOX: f64 = 1e-5;
 
+/// What a pattern without meshes is told.
+const EMPTY: &str = "has no cells, must have at least 1";
+
 /// Closed meshes, one per cell.
 ///
 /// A point belongs to the cell with the deepest enclosing surface; outside of all cells, to the
@@ -89,8 +92,16 @@ pub(crate) fn bounds(meshes: &[TriMesh]) -> Option<(DVec3, DVec3)> {
 
 impl Drawn {
     /// Checks and samples; `origin` is added to the places in a sentence.
-    pub(crate) fn new(mut meshes: Vec<TriMesh>, origin: DVec3) -> Result<Self, String> {
-        let (low, high) = bounds(&meshes).ok_or("has no cells, must have at least 1")?;
+    pub(crate) fn new(meshes: Vec<TriMesh>, origin: DVec3) -> Result<Self, String> {
+        let (drawn, spacing) = Self::sampled(meshes, origin)?;
+        let around = bounds(&drawn.meshes).ok_or(EMPTY)?;
+        fit::check(&|point| drawn.nearest(point), around, spacing, origin)?;
+        Ok(drawn)
+    }
+
+    /// The same of meshes that need not fill their box; and the distance of the samples.
+    pub(crate) fn sampled(mut meshes: Vec<TriMesh>, origin: DVec3) -> Result<(Self, f64), String> {
+        let (low, high) = bounds(&meshes).ok_or(EMPTY)?;
         for (cell, mesh) in meshes.iter_mut().enumerate() {
             mesh.check(&format!("cell {cell}")).map_err(|error| error.to_string())?;
             if let Some(place) = parts::open_edge(mesh) {
@@ -104,23 +115,18 @@ impl Drawn {
 
         // Sample each on its part of one lattice, whose nodes are the middles of cubes that fill
         // the box.
-        let extent = high - low;
-        let mut spacing = (extent.max_element() / NODES).min(extent.min_element() / LAYERS);
-        while (extent / spacing).element_product() > MOST_NODES {
-            spacing *= 2.0;
-        }
+        let spacing = spacing_in(high - low);
         let sample = |(cell, mesh): (usize, &TriMesh)| {
-            let (cell_low, cell_high) = mesh.bounds();
-            let first = ((cell_low - low) / spacing - 0.5).floor() - MARGIN;
-            let last = ((cell_high - low) / spacing - 0.5).ceil() + MARGIN;
-            let dims = (last - first).to_array().map(|count| count as usize + 1);
-            let grid = Grid { origin: low + spacing * (first + 0.5), spacing, dims };
-            mesh_to_level_set(mesh, grid).map_err(|error| format!("cell {cell}: {error}"))
+            mesh_to_level_set(mesh, grid_around(mesh, low, spacing))
+                .map_err(|error| format!("cell {cell}: {error}"))
         };
         let fields = meshes.iter().enumerate().map(sample).collect::<Result<_, _>>()?;
-        let drawn = Self { meshes, fields, nearby: OnceLock::new() };
-        fit::check(&|point| drawn.nearest(point), (low, high), spacing, origin)?;
-        Ok(drawn)
+        Ok((Self { meshes, fields, nearby: OnceLock::new() }, spacing))
+    }
+
+    /// True if a mesh in the box from `low` to `high` is thick enough to be sampled.
+    pub(crate) fn resolves(mesh: &TriMesh, (low, high): (DVec3, DVec3)) -> bool {
+        mesh_to_level_set(mesh, grid_around(mesh, low, spacing_in(high - low))).is_ok()
     }
 
     /// The cells' surfaces, pattern frame.
@@ -131,7 +137,7 @@ impl Drawn {
     /// Signed distance to a cell's mesh. Beyond its samples a lower bound: the cell lies within
     /// their box, so that it is as far from a point as the box is, and as far as it is from the
     /// nearest point of the box.
-    fn to_mesh(&self, cell: usize, point: DVec3) -> f64 {
+    pub(crate) fn to_mesh(&self, cell: usize, point: DVec3) -> f64 {
         let field = &self.fields[cell];
         let (low, high) = field.grid().bounds();
         let nearest = point.clamp(low, high);
@@ -204,4 +210,22 @@ impl Drawn {
         let crack = (0..mesh.triangles.len()).map(|triangle| !on_wall(triangle)).collect();
         CellMesh { mesh, crack }
     }
+}
+
+/// Distance of the samples of cells that fill a box.
+fn spacing_in(extent: DVec3) -> f64 {
+    let mut spacing = (extent.max_element() / NODES).min(extent.min_element() / LAYERS);
+    while (extent / spacing).element_product() > MOST_NODES {
+        spacing *= 2.0;
+    }
+    spacing
+}
+
+/// The part around a mesh of the lattice whose nodes are the middles of cubes from `low` on.
+fn grid_around(mesh: &TriMesh, low: DVec3, spacing: f64) -> Grid {
+    let (cell_low, cell_high) = mesh.bounds();
+    let first = ((cell_low - low) / spacing - 0.5).floor() - MARGIN;
+    let last = ((cell_high - low) / spacing - 0.5).ceil() + MARGIN;
+    let dims = (last - first).to_array().map(|count| count as usize + 1);
+    Grid { origin: low + spacing * (first + 0.5), spacing, dims }
 }

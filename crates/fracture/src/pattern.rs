@@ -114,6 +114,33 @@ impl Pattern {
         }
     }
 
+    /// Signed distances from a point of the pattern frame to the nearest of its own cells and to
+    /// the nearest of the others, each alone: of drawn cells, to their meshes.
+    pub(crate) fn distances_to(&self, is_own: &[bool], point: DVec3) -> [f64; 2] {
+        let mut nearest = [f64::INFINITY; 2];
+        let mut to_regions = |regions: &[Region], point: DVec3| {
+            for (region, &own) in regions.iter().zip(is_own) {
+                let nearest = &mut nearest[usize::from(!own)];
+                *nearest = nearest.min(region.distance_up_to(point, *nearest));
+            }
+        };
+        match &self.cells {
+            Cells::Planar(regions) => to_regions(regions, point),
+            Cells::Rough(rough) => {
+                to_regions(&rough.regions, rough.moved_point(point, self.half_extent));
+                let part = 1.0 / (1.0 + rough.noise.steepness);
+                nearest = nearest.map(|distance| distance * part);
+            }
+            Cells::Drawn(drawn) => {
+                for (cell, &own) in is_own.iter().enumerate() {
+                    let nearest = &mut nearest[usize::from(!own)];
+                    *nearest = nearest.min(drawn.to_mesh(cell, point));
+                }
+            }
+        }
+        nearest
+    }
+
     /// The closed surface of a cell within the box, without an edge longer than `longest_edge`
     /// (infinite: each face as large as it is). Cells that meet face to face share the vertices of
     /// the face bit for bit, and its triangles.

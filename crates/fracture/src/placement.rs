@@ -3,9 +3,10 @@
 use crate::pattern::region::{Cut, Region};
 use frangible_geometry::HalfSpace;
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// A similarity transform from the pattern frame to the struck body's grid frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// A rotation.
     pub grid_from_pattern: DMat3,

@@ -166,8 +166,13 @@ impl Rough {
     /// See [`crate::Pattern::distance`]. Two points are moved apart by at most 1 + steepness times
     /// the way between them, and the distance is divided by that.
     pub(crate) fn distance(&self, cell: usize, point: DVec3, half_extent: DVec3) -> f64 {
-        let moved = point + self.samples(half_extent).displacement(point, half_extent);
-        self.regions[cell].distance(moved) / (1.0 + self.noise.steepness)
+        self.regions[cell].distance(self.moved_point(point, half_extent))
+            / (1.0 + self.noise.steepness)
+    }
+
+    /// Where the noise moves a point.
+    pub(crate) fn moved_point(&self, point: DVec3, half_extent: DVec3) -> DVec3 {
+        point + self.samples(half_extent).displacement(point, half_extent)
     }
 
     /// See [`crate::Pattern::region_mesh`]; fine enough to show the noise, but for a `coarseness`

@@ -16,6 +16,7 @@ pub(crate) mod settings;
 pub(crate) mod slivers;
 
 use crate::align::Impact;
+use crate::crater::shatter_within;
 use crate::fragment::Fragment;
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
@@ -23,7 +24,7 @@ use crate::placement::Placement;
 use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull;
 use components::Components;
-use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Shape};
+use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Portion, Shape};
 use laid::Laid;
 use particles::Lookup;
 use slivers::Pieces;
@@ -41,14 +42,15 @@ pub fn shatter(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     match (&parent.geometry, pattern.planar()) {
-        (Geometry::Grid(solid), Some(regions)) => {
-            let placement = Placement::new(pattern, impact, parent);
+        (Geometry::Grid(solid), Some(regions)) if settings.reach.is_none() => {
+            let placement = Placement::with(pattern, impact, parent, settings);
             shatter_planar((parent, solid), (&placement, regions), settings)
         }
-        (Geometry::Grid(solid), None) => {
-            shatter_sampled((parent, solid), pattern, impact, settings)
-        }
-        (_, Some(_)) => shatter_hull(parent, pattern, impact, settings),
+        (Geometry::Grid(solid), _) => shatter_sampled((parent, solid), pattern, impact, settings),
+        (_, Some(_)) => match &settings.reach {
+            Some(reach) => shatter_within(parent, pattern, impact, (settings, reach)),
+            None => shatter_hull(parent, pattern, impact, settings),
+        },
         (_, None) => Vec::new(),
     }
 }
@@ -69,7 +71,7 @@ fn shatter_planar(
     } else {
         components::connected_components(solid, regions::share_out(solid, &regions), Some(smallest))
     };
-    let pieces = slivers::merge_slivers(solid, &components, smallest, &settings.smallest);
+    let pieces = slivers::merge_slivers(solid, &components, smallest, &settings.smallest, None);
 
     // Level set, mass properties and principal frame of each piece, then its surface samples.
     let framed = frame(pieces::intersect_level_sets(solid, &regions, &mut components, &pieces));
@@ -87,19 +89,48 @@ fn shatter_sampled(
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
     pattern.prepare();
-    let laid = Laid::new(pattern, Placement::new(pattern, impact, parent), solid);
+    let reach = settings.reach.as_ref();
+    let placement = Placement::with(pattern, impact, parent, settings);
+    let mut laid = Laid::new(pattern, placement, solid);
+    if let Some(reach) = reach {
+        laid.end_at(reach, solid);
+    }
 
-    // The same stages as for planes.
-    let shares = regions::share_out_nodes(solid, &laid);
+    let mut fragments = cut_sampled((parent, solid), &laid, settings).fragments;
+    for fragment in &mut fragments {
+        if fragment.cell as usize >= pattern.len() {
+            fragment.cell = Fragment::REST;
+        }
+    }
+    fragments
+}
+
+/// A solid in pieces.
+pub(crate) struct CutUp {
+    pub(crate) fragments: Vec<Fragment>,
+    /// Of each fragment its material on the parent's grid, and its cells.
+    pub(crate) parts: Vec<(Portion, Vec<u32>)>,
+}
+
+/// The same along a pattern that is laid: the stages are those for planes.
+pub(crate) fn cut_sampled(
+    (parent, solid): (&Shape, &GridSolid),
+    laid: &Laid,
+    settings: &ShatterSettings,
+) -> CutUp {
+    let shares = regions::share_out_nodes(solid, laid);
     let mut components = components::connected_components(solid, shares, None);
     let voxels = settings.smallest_fragment_voxels;
-    let pieces = slivers::merge_slivers(solid, &components, voxels, &settings.smallest);
-    let framed = frame(pieces::intersect_sampled(solid, &laid, &mut components, &pieces));
-    let of_regions = pieces::pieces_of_regions(pattern.len(), &components, &pieces);
+    let pieces =
+        slivers::merge_slivers(solid, &components, voxels, &settings.smallest, laid.rest());
+    let parts = pieces::parts_of_pieces(solid.grid(), &mut components, &pieces);
+    let framed = frame(pieces::intersect_sampled(solid, laid, &parts));
+    let of_regions = pieces::pieces_of_regions(laid.cells(), &components, &pieces);
     let spacing = (settings.sample_spacing_voxels as usize).max(1);
     let surfaces =
-        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), &laid, spacing);
-    finish(parent, framed, surfaces, (&components, &pieces))
+        particles::assign_to_sampled((parent, solid), (&framed, &of_regions), laid, spacing);
+    let fragments = finish(parent, framed, surfaces, (&components, &pieces));
+    CutUp { fragments, parts }
 }
 
 /// Mass properties and principal frame of each solid. Every piece has mass, and a voxel's own

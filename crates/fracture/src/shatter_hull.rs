@@ -20,7 +20,7 @@ use glam::{DMat3, DVec3};
 use std::ops::Range;
 
 /// Parts below this fraction of the parent's volume are round-off.
-const NO_VOLUME: f64 = 1e-13;
+pub(crate) const NO_VOLUME: f64 = 1e-13;
 
 /// Two pieces merge across a crack if their convex hull equals their union, within this fraction of
 /// the parent's volume.
@@ -28,12 +28,12 @@ const SAME_VOLUME: f64 = 1e-12;
 
 /// Vertices of neighbours closer than this fraction of the parent's longest side are equal.
 /// Different cutting orders displace vertices by about 1e-15.
-const SAME_VERTEX: f64 = 1e-12;
+pub(crate) const SAME_VERTEX: f64 = 1e-12;
 
 /// Pieces of which so much of the parent's volume is missing, or is there twice, are none: a rod a
 /// thousand times as long as thick cannot be cut lengthwise again and again in the precision that
 /// its length leaves.
-const NOT_FILLED: f64 = 1e-10;
+pub(crate) const NOT_FILLED: f64 = 1e-10;
 
 /// Two pieces are not convex together if a vertex of one lies this far, relative to the parent's
 /// longest side, beyond a plane of the other. Volumes tell of those that lie nearer.
@@ -43,14 +43,14 @@ const BEYOND: f64 = 1e-6;
 const FEW: usize = 16;
 
 /// A part of the parent, on its way to a fragment.
-struct Piece {
-    hull: Hull,
+pub(crate) struct Piece {
+    pub(crate) hull: Hull,
     /// Cuts of this piece, as a range in the workshop's list.
     cuts: Range<usize>,
     /// Mass properties including absorbed slivers, in the parent's grid frame.
-    mass: MassProperties,
+    pub(crate) mass: MassProperties,
     /// Where it, or its larger part, comes from.
-    cell: u32,
+    pub(crate) cell: u32,
 }
 
 /// Breaks a body that has a polyhedron ([`Shape::breaks_as`]) along a planar pattern that is laid
@@ -85,7 +85,7 @@ pub(crate) fn cut_hull(
     let (Some(hull), Some(regions)) = (parent.breaks_as(), pattern.planar()) else {
         return Vec::new();
     };
-    let placement = Placement::new(pattern, impact, parent);
+    let placement = Placement::with(pattern, impact, parent, settings);
 
     // Cut each cell's part out.
     let mut workshop = Workshop::new(hull, parent.volume);
@@ -121,8 +121,18 @@ pub(crate) fn cut_hull(
 
 /// Mass that a parent has absorbed is no part of its polyhedron: its heaviest piece gets it.
 fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
-    if (parent.volume - hull.volume()).abs() <= SAME_VOLUME * parent.volume {
-        return;
+    let Some(lump) = absorbed_by(parent, &hull.mass_properties()) else { return };
+    let heaviest = pieces.iter_mut().max_by(|a, b| a.mass.volume.total_cmp(&b.mass.volume));
+    if let Some(piece) = heaviest {
+        piece.mass = lump.iter().fold(piece.mass, |mass, part| together(&mass, part));
+    }
+}
+
+/// The mass that a parent has absorbed besides that of its polyhedra: all of its own, and theirs
+/// taken from it.
+pub(crate) fn absorbed_by(parent: &Shape, without: &MassProperties) -> Option<[MassProperties; 2]> {
+    if (parent.volume - without.volume).abs() <= SAME_VOLUME * parent.volume {
+        return None;
     }
     let axes = DMat3::from_quat(parent.body_from_grid.inverse().rotation);
     let whole = MassProperties {
@@ -130,18 +140,13 @@ fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
         center: parent.body_from_grid.inverse().translation,
         inertia: axes * DMat3::from_diagonal(parent.unit_moments) * axes.transpose(),
     };
-    // A piece's mass and the rest that the others leave of the parent's.
-    let without = hull.mass_properties();
-    let heaviest = pieces.iter_mut().max_by(|a, b| a.mass.volume.total_cmp(&b.mass.volume));
-    if let Some(piece) = heaviest {
-        let opposite =
-            MassProperties { volume: -without.volume, inertia: -without.inertia, ..without };
-        piece.mass = together(&together(&piece.mass, &whole), &opposite);
-    }
+    let opposite =
+        MassProperties { volume: -without.volume, inertia: -without.inertia, ..*without };
+    Some([whole, opposite])
 }
 
 /// Mass properties of two rigidly joined parts.
-fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
+pub(crate) fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
     let volume = a.volume + b.volume;
     let center = (a.volume * a.center + b.volume * b.center) / volume;
     let about =
@@ -150,7 +155,7 @@ fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
 }
 
 /// The parent and its cuts, in its grid frame.
-struct Workshop<'a> {
+pub(crate) struct Workshop<'a> {
     /// Middle and half of the edges of the parent's bounding box, and the radius of the ball around
     /// its middle that holds the parent [m].
     middle: DVec3,
@@ -166,7 +171,7 @@ struct Workshop<'a> {
 }
 
 impl<'a> Workshop<'a> {
-    fn new(parent: &'a Hull, volume: f64) -> Self {
+    pub(crate) fn new(parent: &'a Hull, volume: f64) -> Self {
         let (low, high) = parent.bounds();
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let square = |vertex: &DVec3| vertex.distance_squared(middle);
@@ -183,7 +188,12 @@ impl<'a> Workshop<'a> {
     }
 
     /// The part of the parent in a region of the pattern.
-    fn cell(&mut self, placement: &Placement, region: &Region, cell: u32) -> Option<Piece> {
+    pub(crate) fn cell(
+        &mut self,
+        placement: &Placement,
+        region: &Region,
+        cell: u32,
+    ) -> Option<Piece> {
         // Keep planes that reach the parent, deepest first: later cuts then have less to do.
         self.reaching.clear();
         for cut in &region.cuts {
@@ -216,7 +226,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// Joins pieces that are too small with their neighbours.
-    fn merge_slivers(
+    pub(crate) fn merge_slivers(
         &mut self,
         mut pieces: Vec<Piece>,
         smallest: &Smallest,

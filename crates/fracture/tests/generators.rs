@@ -46,7 +46,10 @@ fn planar() -> impl Strategy<Value = Made> {
     );
     let natural = (1..80usize, 0.0..=1.0, half_extent(), any::<u64>()).prop_map(
         |(cells, spread, half_extent, seed)| {
-            made(&Natural { cells, spread, seed, half_extent }, Pattern::natural)
+            made(
+                &Natural { cells, spread, seed, half_extent, ..Natural::default() },
+                Pattern::natural,
+            )
         },
     );
     let slices = (1..30usize, half_extent(), 0.0..=1.0, half_extent(), any::<u64>()).prop_map(

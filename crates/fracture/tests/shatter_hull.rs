@@ -17,6 +17,8 @@ const EVERY_CRUMB: ShatterSettings = ShatterSettings {
     smallest_fragment_voxels: 0.0,
     sample_spacing_voxels: 2.0,
     smallest: Smallest { part: 0.0, volume: 0.0, slenderness: 0.0 },
+    reach: None,
+    twist: 0.0,
 };
 
 /// Pieces below a part of the mean join their neighbours.

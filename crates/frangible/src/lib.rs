@@ -45,6 +45,7 @@ pub use scene::desc::breaking::{
 };
 pub use scene::desc::read::{no_json, read, schema};
 pub use scene::desc::starts::{StartsDesc, StartsWhen};
+pub use scene::desc::strength_points::StrengthPointDesc;
 pub use scene::desc::{
     BodyDesc, KeyframeDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc,
     ShapeDesc, SidesDesc, SolverDesc,

@@ -7,6 +7,8 @@ pub(crate) mod desc;
 pub(crate) mod fineness;
 pub(crate) mod pattern_choice;
 pub(crate) mod patterns;
+pub(crate) mod piece_file;
 pub(crate) mod shapes;
 pub(crate) mod starts;
 pub(crate) mod strength;
+pub(crate) mod strength_points;

@@ -3,6 +3,7 @@
 pub(crate) mod body_path;
 pub(crate) mod bonds;
 pub(crate) mod break_bodies;
+pub(crate) mod local_strength;
 pub(crate) mod quarantine;
 mod stage_clock;
 pub(crate) mod waiting;
@@ -12,6 +13,7 @@ use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use crate::scene::desc::Method;
 use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::step::break_bodies::break_bodies;
+use crate::step::local_strength::LocalStrengths;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::step::stage_clock::StageClock;
 use crate::step::waiting::passed_on::{hit_through_others, pressed};
@@ -40,7 +42,7 @@ pub fn step(world: &mut World) -> StepReport {
     }
 }
 
-/// Bodies of which fewer than this are not worth the way into the pool.
+/// Fewer bodies than this are not worth the way into the pool.
 const FEW: usize = 256;
 
 /// [`step`] on this thread, and on those of its pool if it has one.
@@ -327,7 +329,9 @@ fn strike_and_break(
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
         let blows = if may_break {
-            strike(&mut world.bodies, &swept.pairs, &predicted, frame, accounts)
+            let World { bodies, labels, .. } = world;
+            let local = LocalStrengths::of(bodies, labels);
+            strike(bodies, &swept.pairs, &predicted, &|i, at| local.at(i, at), frame, accounts)
         } else {
             Vec::new()
         };

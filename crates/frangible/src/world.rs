@@ -15,8 +15,8 @@ use frangible_bodies::{
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetrations};
 use frangible_dynamics::Ledger;
-use frangible_fracture::ShatterSettings;
-use frangible_geometry::Surface;
+use frangible_fracture::{ShatterSettings, StrengthPoints};
+use frangible_geometry::{Shape, Surface};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -93,6 +93,19 @@ pub struct Breaking {
     pub generations: u32,
     /// Minimum length of breakable bodies [m].
     pub smallest: f64,
+    /// Where the next break's pattern has its centre, in the shape's frame [m], if not at the blow.
+    pub center: Option<DVec3>,
+    /// Where it is stronger than elsewhere.
+    #[serde(with = "frangible_math::shared")]
+    pub strength_points: Option<Arc<StrengthPoints>>,
+}
+
+impl Breaking {
+    /// The largest impulse that a body bears where it is weakest [N s].
+    pub(crate) fn bears(&self, shape: &Shape, density: f64) -> f64 {
+        let least = self.strength_points.as_ref().map_or(1.0, |points| points.least());
+        least * self.strength.bears(shape, density)
+    }
 }
 
 impl World {

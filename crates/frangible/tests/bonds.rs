@@ -23,6 +23,7 @@ fn bonds(strength: f64) -> BondsDesc {
         tensile_strength: strength,
         shear_strength: 1e3 * strength,
         anchors: Vec::new(),
+        strength_points: Vec::new(),
     }
 }
 

@@ -210,6 +210,18 @@ impl Shape {
     /// If they are so thin that the volume or a moment vanishes, or there are none.
     pub fn compound(compound: Compound, sample_spacing: f64) -> Result<Self, NoMass> {
         let mass = compound.mass_properties();
+        Self::compound_with_mass(compound, &mass, sample_spacing)
+    }
+
+    /// The same, with mass properties of its own.
+    ///
+    /// # Errors
+    /// If its volume or a moment vanishes.
+    pub fn compound_with_mass(
+        compound: Compound,
+        mass: &MassProperties,
+        sample_spacing: f64,
+    ) -> Result<Self, NoMass> {
         let (unit_moments, body_from_grid) = mass.body_frame()?;
         let in_body = compound.transformed(&body_from_grid);
         Ok(Self {

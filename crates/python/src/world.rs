@@ -98,10 +98,8 @@ fn with_files<T>(
     let made = make(&files.call_method0("__enter__")?);
     match &made {
         Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
-        Err(error) => files.call_method1(
-            "__exit__",
-            (error.get_type(py), error.value(py), error.traceback(py)),
-        )?,
+        Err(error) => files
+            .call_method1("__exit__", (error.get_type(py), error.value(py), error.traceback(py)))?,
     };
     made
 }

@@ -82,7 +82,8 @@ fn a_heap_in_halves_ends_in_the_same_state() {
 fn a_story_of_the_playground_ends_in_its_recorded_state() {
     let story: serde_json::Value =
         serde_json::from_str(include_str!("../../../web/test/story.json")).unwrap();
-    let mut world = World::build(&SceneDesc::from_json(story["scene"].as_str().unwrap()).unwrap()).unwrap();
+    let mut world =
+        World::build(&SceneDesc::from_json(story["scene"].as_str().unwrap()).unwrap()).unwrap();
     let actions = story["actions"].as_array().unwrap();
     for frame in 0..story["frames"].as_u64().unwrap() {
         for action in actions.iter().filter(|action| action["frame"] == frame) {

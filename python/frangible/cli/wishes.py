@@ -10,11 +10,16 @@ from ..material_presets import PRESETS
 from ..mesh_scene import UNITS
 from .options import finite, natural, positive
 
+#: What a bond of glue bears [Pa]: about what mortar does.
+GLUE = 5e5
+
 #: The options, by the field of the wishes that each sets.
 OPTIONS = {
     "material": "--material",
     "pattern": "--pattern",
     "strength": "--strength",
+    "reach": "--reach",
+    "glue": "--glue",
     "ball": "--ball",
     "origin": "--from",
     "hit_at_frame": "--hit-at-frame",
@@ -40,6 +45,21 @@ def add_wishes(parser: argparse.ArgumentParser) -> None:
         type=_strength,
         metavar="N",
         help="largest impulse that it bears [N s], or a material's name [the material's]",
+    )
+    group.add_argument(
+        "--reach",
+        type=positive,
+        metavar="LENGTH",
+        help="how far a break reaches from its blow, in the file's unit: the rest stays whole",
+    )
+    group.add_argument(
+        "--glue",
+        nargs="?",
+        type=positive,
+        const=GLUE,
+        metavar="PA",
+        help="its closed parts, as `frangible break` writes them, or a pattern's pieces are glued "
+        f"together, and a bond bears so much [{GLUE:g} Pa]",
     )
     group.add_argument(
         "--ball",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import re
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -66,6 +67,10 @@ def readable_mesh(path: str | os.PathLike[str], pose_time: float | None = None) 
             _stage_to_obj(path, name, pose_time)
         elif not make_plain(path, name, pose_time):
             name = path
+        # The report of a break stands beside its pieces, in their place.
+        report = os.path.splitext(path)[0] + ".json"
+        if name != path and os.path.isfile(report):
+            shutil.copyfile(report, os.path.splitext(name)[0] + ".json")
         try:
             yield name
         except BuildError as error:

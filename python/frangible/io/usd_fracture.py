@@ -24,7 +24,7 @@ _STRENGTH = {
     "weibullModulus": "weibull_modulus",
 }
 #: Attributes of 'breaking' that have the names of its fields.
-_BREAKING = ("pieces", "generations", "smallest")
+_BREAKING = ("pieces", "generations", "smallest", "reach", "twist", "point")
 
 # Programs know the schema if this is read before the library looks for schemas; what it reads is
 # the same without that.
@@ -54,7 +54,7 @@ def fracture_of(prim: Any) -> dict[str, Any]:
     if pattern is not None:
         breaking["pattern"] = pattern
     for name in _BREAKING:
-        if value := _said(prim, name):
+        if (value := _said(prim, name)) not in (None, 0):
             breaking[name] = value
     # Nothing is left to a material where nobody named one and all is said.
     is_whole = not said and "strength" in breaking and "pattern" in breaking

@@ -32,6 +32,10 @@ pub struct Blow {
     pub borne: f64,
 }
 
+/// How much stronger a body, by dense index, is at a point of its frame [m] than where it is
+/// weakest; at least 1.
+pub type LocalStrength<'a> = &'a dyn Fn(usize, DVec3) -> f64;
+
 /// First contact point of a pair, and the poses of both bodies at first touch.
 pub(crate) type Touch = (ContactPoint, [Pose; 2]);
 
@@ -42,16 +46,25 @@ pub(crate) fn blows_of(
     bodies: &Bodies,
     pair: Pair,
     (acts_at, size): (DVec3, f64),
+    local: LocalStrength,
     first_touch: impl FnOnce() -> Touch,
 ) -> [Option<Blow>; 2] {
-    let borne = smaller_strength(bodies, pair);
-    if size <= borne {
+    if size <= smaller_strength(bodies, pair) {
         return [None; 2];
     }
     let (contact, [pose_first, pose_second]) = first_touch();
+    let strength = |i: usize, pose: Pose| {
+        let strength = strength(bodies, i);
+        let point = || pose.world_from_body().inverse().point(contact.point);
+        if strength.is_finite() { strength * local(i, point()) } else { strength }
+    };
+    let borne = strength(pair.first, pose_first).min(strength(pair.second, pose_second));
+    if size <= borne {
+        return [None; 2];
+    }
     let blow = |body: usize, striker: usize, pose: Pose, outward: DVec3| {
         let body_from_world = pose.world_from_body().inverse();
-        (strength(bodies, body) == borne).then(|| Blow {
+        (strength(body, pose) == borne).then(|| Blow {
             body: bodies.ids[body],
             striker: bodies.ids[striker],
             point_body: body_from_world.point(contact.point),
@@ -69,7 +82,7 @@ pub(crate) fn blows_of(
     ]
 }
 
-/// Strength of a body: the largest impulse before it breaks [N s].
+/// Strength of a body where it is weakest: the largest impulse before it breaks [N s].
 fn strength(bodies: &Bodies, i: usize) -> f64 {
     if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.surfaces[i].strength }
 }
@@ -86,6 +99,7 @@ pub fn strike(
     bodies: &mut Bodies,
     pairs: &[Pair],
     predicted: &[Pose],
+    local: LocalStrength,
     frame: &Frame,
     accounts: &mut FrameAccounts,
 ) -> Vec<Blow> {
@@ -107,7 +121,7 @@ pub fn strike(
         let surfaces = bodies.pair_surface(pair.first, pair.second);
         let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
         let acts = (approach.contact.point, impulse.at_contact.length());
-        let of_pair = blows_of(bodies, pair, acts, || {
+        let of_pair = blows_of(bodies, pair, acts, local, || {
             first_contact(bodies, pair, predicted).unwrap_or(touch)
         });
         let Some(borne) =

@@ -119,7 +119,7 @@ impl Collisions {
     ) -> [Option<Blow>; 2] {
         let predicted = &self.predicted;
         let acts = (approach.contact.point, impulse.at_contact.length());
-        blows_of(bodies, pair, acts, || {
+        blows_of(bodies, pair, acts, &|_, _| 1.0, || {
             first_contact(bodies, pair, predicted)
                 .unwrap_or((approach.contact, [predicted[pair.first], predicted[pair.second]]))
         })

@@ -22,6 +22,10 @@ pub struct Natural {
     /// Spread of sizes, from 0 (the largest cell cracks) over 0.5 (probability proportional to
     /// volume) to 1 (equal probability).
     pub spread: f64,
+    /// Gathers small cells around the centre, from 0 (everywhere alike) to 30: a cell cracks the more
+    /// likely the nearer it is, by a Gaussian whose standard deviation is `half_extent /
+    /// clustering`.
+    pub clustering: f64,
     /// Of the random numbers.
     pub seed: u64,
     /// Shape of the pattern's box; only its proportions matter.
@@ -31,7 +35,7 @@ pub struct Natural {
 
 impl Default for Natural {
     fn default() -> Self {
-        Self { cells: 25, spread: 0.7, seed: 1, half_extent: DVec3::ONE }
+        Self { cells: 25, spread: 0.7, clustering: 0.0, seed: 1, half_extent: DVec3::ONE }
     }
 }
 
@@ -41,6 +45,14 @@ const DIRECTIONS: usize = 5;
 
 /// A crack lies at most this share of the cell's length off its middle.
 const OFF_CENTER: f64 = 0.3;
+
+/// Which cells crack.
+struct Law {
+    /// See [`Natural::spread`].
+    spread: f64,
+    /// Standard deviations of the Gaussian around the centre; infinite for none.
+    deviation: DVec3,
+}
 
 /// A cell while the box is being cut up.
 struct Part {
@@ -52,13 +64,20 @@ struct Part {
 }
 
 impl Part {
-    fn new(half_spaces: Vec<HalfSpace>, hull: Hull, spread: f64) -> Self {
+    fn new(half_spaces: Vec<HalfSpace>, hull: Hull, law: &Law) -> Self {
         let properties = hull.mass_properties();
-        let weight = if spread > 0.0 {
-            libm::pow(properties.volume, 1.0 / spread - 1.0)
+        let mut weight = if law.spread > 0.0 {
+            libm::pow(properties.volume, 1.0 / law.spread - 1.0)
         } else {
             properties.volume
         };
+        if law.deviation.is_finite() {
+            // Its nearest corner counts: a large cell at the centre reaches far.
+            let near = |corner: &DVec3| (*corner / law.deviation).length_squared();
+            let nearest = hull.vertices().iter().map(near).fold(f64::INFINITY, f64::min);
+            let middle = (properties.center / law.deviation).length_squared();
+            weight *= libm::exp(-0.5 * middle.min(nearest));
+        }
         Self { half_spaces, hull, center: properties.center, weight }
     }
 
@@ -80,14 +99,14 @@ impl Part {
     }
 
     /// The two sides of a crack; `None` if rounding leaves nothing of one.
-    fn split(&self, crack: HalfSpace, spread: f64) -> Option<[Self; 2]> {
+    fn split(&self, crack: HalfSpace, law: &Law) -> Option<[Self; 2]> {
         let side = |half_space: HalfSpace| {
             let hull = self.hull.clipped(&half_space)?;
             let mut half_spaces = self.half_spaces.clone();
             half_spaces.push(half_space);
             // Drop half-spaces that no longer bound the cell.
             half_spaces.retain(|&known| hull.planes().contains(&known));
-            Some(Self::new(half_spaces, hull, spread))
+            Some(Self::new(half_spaces, hull, law))
         };
         Some([side(crack)?, side(crack.flipped())?])
     }
@@ -99,19 +118,21 @@ impl Pattern {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn natural(natural: &Natural) -> Result<Self, PatternError> {
-        let &Natural { cells, spread, seed, half_extent } = natural;
+        let &Natural { cells, spread, clustering, seed, half_extent } = natural;
         require_count(cells, "cells")?;
         require((0.0..=1.0).contains(&spread), "spread", spread, "from 0 to 1")?;
+        require((0.0..=30.0).contains(&clustering), "clustering", clustering, "from 0 to 30")?;
         require_box(half_extent)?;
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         // Volumes relative to the box's keep their powers from under- and overflowing.
         let size = libm::cbrt(8.0 * half_extent.element_product());
         let half = half_extent / size;
-        let mut parts = vec![Part::new(Vec::new(), Hull::cuboid(half), spread)];
+        let law = Law { spread, deviation: half / clustering };
+        let mut parts = vec![Part::new(Vec::new(), Hull::cuboid(half), &law)];
         while parts.len() < cells {
             let chosen = choose(&parts, spread, &mut random);
             let crack = parts[chosen].crack(&mut random);
-            if let Some([inside, outside]) = parts[chosen].split(crack, spread) {
+            if let Some([inside, outside]) = parts[chosen].split(crack, &law) {
                 parts[chosen] = inside;
                 parts.push(outside);
             }

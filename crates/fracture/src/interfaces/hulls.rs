@@ -13,7 +13,7 @@ pub(super) const SAME_PLANE: f64 = 1e-7;
 const SMALLEST_OVERLAP: f64 = 1e-9;
 
 /// The contacts of polyhedra in one frame.
-pub(super) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
+pub(crate) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
     let bounds: Vec<(DVec3, DVec3)> = hulls.iter().map(Hull::bounds).collect();
     let longest = bounds.iter().map(|(low, high)| (high - low).max_element()).fold(0.0, f64::max);
     let near = SAME_PLANE * longest;

@@ -30,6 +30,12 @@ struct CrackTriangle {
 /// frame. Exact: the two sides of a crack are cut into different triangles, but lie in the same
 /// planes.
 pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
+    mesh_interfaces_within(pieces, SAME_PLANE)
+}
+
+/// The same of pieces whose two sides of a crack are apart by `apart`, relative to the longest side
+/// of all: files have single precision.
+pub(crate) fn mesh_interfaces_within(pieces: &[CutPiece], apart: f64) -> Vec<Interface> {
     let triangles: Vec<CrackTriangle> = pieces
         .iter()
         .enumerate()
@@ -38,7 +44,7 @@ pub fn mesh_interfaces(pieces: &[CutPiece]) -> Vec<Interface> {
     let boxes: Vec<(DVec3, DVec3)> = triangles.iter().map(|one| (one.low, one.high)).collect();
     let low = boxes.iter().fold(DVec3::INFINITY, |low, bounds| low.min(bounds.0));
     let high = boxes.iter().fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.1));
-    let near = SAME_PLANE * (high - low).max_element();
+    let near = apart * (high - low).max_element();
 
     let tree = Bvh::of_boxes(&boxes);
     let mut contacts = Contacts::default();

@@ -14,7 +14,10 @@ pub(super) fn place(point: DVec3) -> String {
 ///
 /// Parts that share a vertex of the file are one. A file may give each face of a cell vertices of
 /// its own; then parts that follow one another are one cell until it is closed.
-pub(crate) fn closed_parts(mesh: &TriMesh) -> Result<Vec<TriMesh>, String> {
+///
+/// # Errors
+/// If a part is not closed.
+pub fn closed_parts(mesh: &TriMesh) -> Result<Vec<TriMesh>, String> {
     // Join the triangles that share a vertex; a part is known by the lowest.
     let mut part_of: Vec<usize> = (0..mesh.positions.len()).collect();
     for triangle in &mesh.triangles {

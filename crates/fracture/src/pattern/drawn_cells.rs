@@ -4,6 +4,7 @@ use crate::mesh_pattern::{Drawn, bounds, parts};
 use crate::pattern::error::PatternError;
 use crate::pattern::{Cells, Pattern};
 use frangible_geometry::TriMesh;
+use glam::DVec3;
 
 impl Pattern {
     /// A pattern of closed meshes that fill a box, each a cell: what an artist drew. Each is turned
@@ -24,6 +25,18 @@ impl Pattern {
         });
         let drawn = Drawn::new(moved.collect(), middle).map_err(wrong)?;
         let half_extent = 0.5 * (high - low);
+        Ok(Self { cells: Cells::Drawn(drawn), ..Self::planar_in_box(half_extent, Vec::new()) })
+    }
+
+    /// Cells that are pieces of a body, where they lie on it: they need not fill their bounding box,
+    /// and space beyond belongs to the nearest.
+    ///
+    /// # Errors
+    /// If a mesh is not closed, or too thin to be sampled.
+    pub(crate) fn of_pieces(meshes: Vec<TriMesh>) -> Result<Self, String> {
+        let (low, high) = bounds(&meshes).unwrap_or_default();
+        let (drawn, _) = Drawn::sampled(meshes, DVec3::ZERO)?;
+        let half_extent = low.abs().max(high.abs());
         Ok(Self { cells: Cells::Drawn(drawn), ..Self::planar_in_box(half_extent, Vec::new()) })
     }
 

@@ -84,6 +84,18 @@ impl Region {
     pub fn distance(&self, point: DVec3) -> f64 {
         self.cuts.iter().map(|cut| cut.half_space.distance(point)).fold(f64::NEG_INFINITY, f64::max)
     }
+
+    /// The same; what is more than `most` may come out smaller, but not less than that.
+    pub(crate) fn distance_up_to(&self, point: DVec3, most: f64) -> f64 {
+        let mut largest = f64::NEG_INFINITY;
+        for cut in &self.cuts {
+            largest = largest.max(cut.half_space.distance(point));
+            if largest > most {
+                break;
+            }
+        }
+        largest
+    }
 }
 
 /// The region with the least distance, the first of equals.

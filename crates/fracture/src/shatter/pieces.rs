@@ -55,15 +55,23 @@ pub(crate) fn intersect_level_sets(
 pub(crate) fn intersect_sampled(
     parent: &GridSolid,
     laid: &Laid,
+    parts: &[(Portion, Vec<u32>)],
+) -> Vec<GridSolid> {
+    let solid = |(portion, own): &(Portion, Vec<u32>)| {
+        parent.intersected(portion.clone(), |grid| laid.distances(own, grid))
+    };
+    parts.iter().map(solid).collect()
+}
+
+/// Material of each piece, moved out of its components, and its regions.
+pub(crate) fn parts_of_pieces(
+    grid: &Grid,
     components: &mut Components,
     pieces: &Pieces,
-) -> Vec<GridSolid> {
-    let portions = portions_of_pieces(parent.grid(), components, pieces);
-    let solid = |(members, portion): (&Vec<u32>, Portion)| {
-        let (own, _) = regions_of_piece(members, components);
-        parent.intersected(portion, |grid| laid.distances(&own, grid))
-    };
-    pieces.components.iter().zip(portions).map(solid).collect()
+) -> Vec<(Portion, Vec<u32>)> {
+    let portions = portions_of_pieces(grid, components, pieces);
+    let regions = |members: &Vec<u32>| regions_of_piece(members, components).0;
+    portions.into_iter().zip(pieces.components.iter().map(regions)).collect()
 }
 
 /// Regions of a piece, and true with an inside node. Films of surface voxels do not add their

@@ -1,5 +1,6 @@
 //! User settings of a break.
 
+use crate::reach::Reach;
 use crate::slivers::Smallest;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,10 @@ pub struct ShatterSettings {
     pub sample_spacing_voxels: f64,
     /// The bounds below which a part is no piece, on a grid or without one.
     pub smallest: Smallest,
+    /// How far the break reaches; by default through all of the body.
+    pub reach: Option<Reach>,
+    /// Turn of the pattern about the collision normal [rad]; 0 by default.
+    pub twist: f64,
 }
 
 impl Default for ShatterSettings {
@@ -23,6 +28,8 @@ impl Default for ShatterSettings {
             smallest_fragment_voxels: 27.0,
             sample_spacing_voxels: 2.0,
             smallest: Smallest::default(),
+            reach: None,
+            twist: 0.0,
         }
     }
 }

@@ -6,6 +6,9 @@ use crate::slivers::{Contact, Groups, Smallest};
 use frangible_geometry::{Grid, GridSolid, Portion, Run};
 use std::collections::BTreeMap;
 
+/// A contact with what stays whole counts as so much of one with a piece.
+const TO_REST: f64 = 1e-6;
+
 /// The fragments, as sets of components.
 #[derive(Debug)]
 pub(crate) struct Pieces {
@@ -17,12 +20,14 @@ pub(crate) struct Pieces {
 
 /// Merges each component of less than `voxels` of material, or smaller than the smallest piece,
 /// with the neighbour with which it shares the most voxel faces, the lightest first. One that
-/// touches no other stays as it is, unless it is smaller than the smallest volume.
+/// touches no other stays as it is, unless it is smaller than the smallest volume. What a break
+/// leaves whole, the region `rest`, takes up what has no other neighbour.
 pub(crate) fn merge_slivers(
     solid: &GridSolid,
     components: &Components,
     voxels: f64,
     smallest: &Smallest,
+    rest: Option<u32>,
 ) -> Pieces {
     let material = &components.material;
     let spacing = solid.grid().spacing;
@@ -32,7 +37,12 @@ pub(crate) fn merge_slivers(
     let too_small: Vec<bool> = material.iter().map(|&material| material < least).collect();
     let mut groups = Groups::new(material, &too_small);
     if too_small.contains(&true) {
-        let contacts = contacts(solid.grid(), components, &too_small);
+        let mut contacts = contacts(solid.grid(), components, &too_small);
+        let is_rest = |part: usize| Some(components.region[part]) == rest;
+        for (_, faces) in contacts.iter_mut().filter(|(pair, _)| pair.iter().any(|&at| is_rest(at)))
+        {
+            *faces *= TO_REST;
+        }
         groups.join(&contacts, |_, _, material| Some(material < least));
         groups.join_loose(|sliver, _| material[sliver] < in_voxels.volume);
     }

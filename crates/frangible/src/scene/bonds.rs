@@ -4,17 +4,20 @@ use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::BondsDesc;
 use crate::scene::desc::{BodyDesc, MotionDesc};
 use crate::scene::patterns::build_pattern;
+use crate::scene::piece_file::{PieceFile, parts_of_mesh};
+use crate::scene::strength_points::build_strength_points;
 use crate::step::bonds::state::Bonds;
-use frangible_fracture::{BondStrength, Glued, Impact, prescore};
+use frangible_fracture::{BondStrength, Glued, Impact, prescore, prescore_parts};
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// Cuts a body into pieces and glues them together.
 pub(crate) fn build_bonds(
     desc: &BondsDesc,
     body: &BodyDesc,
-    shape: &Shape,
+    shape: &Arc<Shape>,
     world_from_shape: &RigidTransform,
     at: &Checker,
 ) -> Result<Bonds, BuildError> {
@@ -53,20 +56,27 @@ pub(crate) fn build_bonds(
         normal_body: shape.body_from_grid.direction(normal),
     };
     let pattern = match &desc.pattern {
-        Some(pattern) => Some(build_pattern(pattern, &at.field("pattern"))?),
+        Some(pattern) => Some(Arc::new(build_pattern(pattern, &at.field("pattern"))?)),
         None => None,
     };
-    let hulls = prescore(shape, pattern.as_ref(), &impact).ok_or_else(|| {
-        at.broken(
-            "on a shape or with a pattern that is not made of convex pieces",
-            "on a box, a hull or a compound, with planar cells",
-        )
-    })?;
+    let parts = if pattern.is_some() { None } else { parts_of_mesh(&body.shape, at)? };
+    let pieces = match parts {
+        Some(PieceFile { meshes, contacts }) => {
+            prescore_parts(shape, meshes, contacts).map_err(|error| at.file(&error))?
+        }
+        None => prescore(shape, pattern.as_ref(), &impact).ok_or_else(|| {
+            at.broken(
+                "on a shape without parts, and without a pattern",
+                "with a pattern, or on a compound or a mesh of several closed parts",
+            )
+        })?,
+    };
     let is_anchored = |center: DVec3| {
         let world = world_from_shape.point(center);
         anchors.iter().any(|(low, high)| low.cmple(world).all() && world.cmple(*high).all())
     };
-    let glued = Glued::new(hulls, is_anchored, strength);
+    let glued = Glued::new(pieces, is_anchored, strength)
+        .with_strength_points(build_strength_points(&desc.strength_points, at)?);
     if !anchors.is_empty() && !glued.is_anchored() {
         return Err(at.field("anchors").broken(
             "boxes without the centre of a piece",

@@ -5,24 +5,27 @@ use crate::scene::bonds::build_bonds;
 use crate::scene::check::MOST_SPEED;
 use crate::scene::check::MOST_SPIN;
 use crate::scene::check::{BuildError, Checker};
-use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
+use crate::scene::desc::breaking::{BondsDesc, BreakingDesc, StrengthDesc};
 use crate::scene::desc::{
     BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
 };
 use crate::scene::pattern_choice::PatternChoice;
+use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::starts::build_waiting;
 use crate::scene::strength::Strength;
+use crate::scene::strength_points::build_strength_points;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
-    Bodies, BodyId, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties, Velocity,
+    Bodies, BodyId, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties,
+    Velocity,
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
-use frangible_fracture::{MOST_CELLS, ShatterSettings, Smallest};
+use frangible_fracture::{MOST_CELLS, Reach, Rim, ShatterSettings, Smallest};
 use frangible_geometry::{Geometry, Shape};
 use frangible_math::RigidTransform;
 use std::sync::Arc;
@@ -175,9 +178,11 @@ fn build_body(
     };
     let make = match &breaking {
         Some(breaking) => make_to_break(desc, breaking, method),
-        None if desc.bonds.is_some() && desc.shape.is_convex() => Make::Polyhedron,
-        None if is_environment(desc, method) => Make::Triangles,
-        None => Make::Whole,
+        None => match &desc.bonds {
+            Some(bonds) => make_to_glue(bonds, desc, &at.field("bonds.pattern"))?,
+            None if is_environment(desc, method) => Make::Triangles,
+            None => Make::Whole,
+        },
     };
     let shape = library.shape(&desc.shape, make, &at.field("shape"))?;
     let has_no_mass = shape.volume == 0.0 && make != Make::Triangles;
@@ -192,15 +197,10 @@ fn build_body(
     if desc.motion == MotionDesc::Dynamic {
         check_inertia(&shape, density, at)?;
     }
-    if breaking.is_some() && desc.motion != MotionDesc::Dynamic {
-        return Err(at
-            .field("breaking")
-            .broken("on a body that is not dynamic", "left out, or the body dynamic"));
-    }
+    check_breaking(desc, breaking.as_ref(), method, at)?;
     let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
-    let strength = breaking
-        .as_ref()
-        .map_or(f64::INFINITY, |breaking| breaking.strength.bears(&shape, density));
+    let strength =
+        breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.bears(&shape, density));
 
     // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
     let world_from_shape = RigidTransform::new(rotation, position);
@@ -306,11 +306,51 @@ fn is_environment(desc: &BodyDesc, method: Method) -> bool {
 /// Convex bodies under planar cracks break exactly into convex pieces. The paper's method uses
 /// level sets instead.
 fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
-    if method == Method::FrameRate && breaking.choice.is_planar() && desc.shape.is_convex() {
+    let is_exact = desc.shape.is_convex()
+        || breaking.shatter.reach.is_some() && matches!(desc.shape, ShapeDesc::Compound { .. });
+    if method == Method::FrameRate && breaking.choice.is_planar() && is_exact {
         Make::Polyhedron
     } else {
         Make::Voxels
     }
+}
+
+/// What breaks moves by itself, and is of one strength in the paper's method.
+fn check_breaking(
+    desc: &BodyDesc,
+    breaking: Option<&Breaking>,
+    method: Method,
+    at: &Checker,
+) -> Result<(), BuildError> {
+    let Some(breaking) = breaking else { return Ok(()) };
+    if method == Method::Paper && breaking.strength_points.is_some() {
+        let at = at.field("breaking.strength_points");
+        return Err(at.broken("set", "left out, with the paper's method"));
+    }
+    if desc.motion != MotionDesc::Dynamic {
+        return Err(at
+            .field("breaking")
+            .broken("on a body that is not dynamic", "left out, or the body dynamic"));
+    }
+    Ok(())
+}
+
+/// Planar cells cut convex parts exactly; other bodies and other cells need a grid.
+fn make_to_glue(
+    bonds: &BondsDesc,
+    desc: &BodyDesc,
+    at_pattern: &Checker,
+) -> Result<Make, BuildError> {
+    let is_flat = match &bonds.pattern {
+        Some(pattern) => build_pattern(pattern, at_pattern)?.planar().is_some(),
+        None => true,
+    };
+    Ok(match &desc.shape {
+        _ if !is_flat => Make::Voxels,
+        ShapeDesc::Compound { .. } => Make::Whole,
+        shape if shape.is_convex() => Make::Polyhedron,
+        _ => Make::Whole,
+    })
 }
 
 /// Cracks are sampled as densely as the surface was, and pieces are not too small for it.
@@ -337,8 +377,26 @@ fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildEr
     let has_coarser = strength.fracture_energy() > 0.0 && pieces.is_none();
     let at_pattern = at.field("pattern");
     let choice = Arc::new(PatternChoice::new(&desc.pattern, pieces, has_coarser, &at_pattern)?);
-    let shatter = ShatterSettings::default();
-    Ok(Breaking { choice, strength, shatter, generations: desc.generations, smallest })
+    let reach = match desc.reach {
+        Some(reach) => {
+            let distance = at.field("reach").positive(reach, "m")?;
+            let rim = if desc.pattern.has_cells_of_its_own() { Rim::Cells } else { Rim::Bowl };
+            Some(Reach { distance, rim })
+        }
+        None => None,
+    };
+    let twist = at.field("twist").within(desc.twist, -1e3, 1e3)?;
+    let shatter = ShatterSettings { reach, twist, ..ShatterSettings::default() };
+    let center = desc.point.map(|point| at.field("point").vector(point, "m")).transpose()?;
+    Ok(Breaking {
+        choice,
+        strength,
+        shatter,
+        generations: desc.generations,
+        smallest,
+        center,
+        strength_points: build_strength_points(&desc.strength_points, at)?,
+    })
 }
 
 fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {

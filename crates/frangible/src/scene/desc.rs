@@ -4,6 +4,7 @@ pub(crate) mod breaking;
 pub(crate) mod defaults;
 pub(crate) mod read;
 pub(crate) mod starts;
+pub(crate) mod strength_points;
 
 use breaking::{BondsDesc, BreakingDesc};
 use schemars::JsonSchema;

@@ -101,6 +101,12 @@ impl PatternDesc {
         })
     }
 
+    /// True for patterns whose cells keep their form and their place on a body: blows with a reach
+    /// take whole cells out.
+    pub(crate) fn has_cells_of_its_own(&self) -> bool {
+        matches!(self, Self::Bricks(_) | Self::Slices(_) | Self::File(_))
+    }
+
     /// The same pattern with half as many cells; `None` for patterns without coarser versions:
     /// masonry breaks along its joints, and a file is fixed.
     pub(crate) fn coarser(&self) -> Option<Self> {

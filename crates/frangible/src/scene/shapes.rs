@@ -2,9 +2,10 @@
 
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::{PartDesc, Resolution, ShapeDesc, SidesDesc};
+use crate::scene::piece_file::load_mesh;
 use frangible_geometry::{
     ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, Sides, StaticMesh,
-    TriMesh, heightfield_mesh, mesh_io, solids_to_level_set, surface_samples,
+    TriMesh, heightfield_mesh, solids_to_level_set, surface_samples,
 };
 use frangible_math::RigidTransform;
 use glam::DVec3;
@@ -106,8 +107,7 @@ fn build_shape(desc: &ShapeDesc, make: Make, at: &Checker) -> Result<Shape, Buil
         ShapeDesc::Mesh { path, scale, thickness, sides, resolution } => {
             let scale = at.field("scale").positive(*scale, "m")?;
             let at_path = at.field("path");
-            let mut mesh =
-                mesh_io::load(Path::new(path)).map_err(|error| at_path.file(&error.to_string()))?;
+            let mut mesh = load_mesh(Path::new(path)).map_err(|error| at_path.file(&error))?;
             mesh.positions.iter_mut().for_each(|position| *position *= scale);
             let mesh = thickened(mesh, path, *thickness, at)?;
             if make == Make::Triangles {

@@ -6,7 +6,9 @@ use crate::scene::desc::LookDesc;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{Bodies, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity};
 use frangible_dynamics::{Blow, FrameAccounts, energy_at, repay_at};
-use frangible_fracture::{Fragment, Impact, Pattern, fragment_velocity, interfaces, shatter};
+use frangible_fracture::{
+    Fragment, Impact, Pattern, ShatterSettings, fragment_velocity, interfaces, shatter,
+};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -47,10 +49,12 @@ pub(crate) fn break_bodies(
     // Fragments are born where they were in their parents.
     let mut born = Vec::new();
     let mut fractures = Vec::new();
+    let mut are_rest = Vec::new();
     for mut broken in breaks {
         let first = born.len();
         for (index, fragment) in std::mem::take(&mut broken.fragments).into_iter().enumerate() {
             let label = fragment_label(world, &broken, index, &fragment);
+            are_rest.push(fragment.is_rest());
             born.push((fragment_body(&world.bodies, broken.parent, fragment, &label), label));
         }
         let Break { blow, parent, spent, breaking, .. } = broken;
@@ -74,10 +78,14 @@ pub(crate) fn break_bodies(
 
     // Parents leave, fragments enter behind all others, in order.
     let new_index = world.remove(&gone);
-    let mut born = born.into_iter();
+    let mut born = born.into_iter().zip(are_rest);
     for fracture in &mut fractures {
-        for (id, (body, label)) in fracture.fragments.iter_mut().zip(&mut born) {
+        for (id, ((body, label), is_rest)) in fracture.fragments.iter_mut().zip(&mut born) {
             *id = id_number(world.spawn(body, label));
+            if is_rest {
+                // What a blow leaves whole has borne it.
+                world.spare(world.bodies.len() - 1);
+            }
         }
     }
     (fractures, new_index)
@@ -94,7 +102,9 @@ fn crack(
     let breaking = Breaking::clone(world.labels[parent].breaking.as_ref()?);
     let striker = world.bodies.index_of(blow.striker)?;
     let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
-    let impact = Impact { point_body: blow.point_body, normal_body: blow.normal_body };
+    let center = breaking.center.map(|at| world.bodies.shapes[parent].body_from_grid.point(at));
+    let point_body = center.unwrap_or(blow.point_body);
+    let impact = Impact { point_body, normal_body: blow.normal_body };
     let energy_per_area = breaking.strength.fracture_energy();
     let available = if energy_per_area > 0.0 {
         energy_at(&world.bodies, pair, blow.acts_at)
@@ -123,8 +133,8 @@ fn crack(
             return Some(Break { blow: *blow, parent, breaking, pattern, fragments, spent });
         }
     }
-    if can_split {
-        // Too little energy for this time.
+    if can_split || breaking.shatter.reach.is_some() {
+        // Too little energy for this time, or nothing in reach.
         world.spare(parent);
     } else {
         // Too small to split: unbreakable from now on.
@@ -134,22 +144,30 @@ fn crack(
 }
 
 /// A fragment's name, and how it breaks in turn: as the parent, but once less and not below the
-/// smallest size.
+/// smallest size. What a break with a reach leaves whole is the parent still.
 fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragment) -> Label {
     let Break { parent, breaking, pattern, .. } = broken;
     let parent_label = &world.labels[*parent];
     let (low, high) = fragment.shape.bounds;
-    let breaks = breaking.generations > 1 && (high - low).max_element() >= breaking.smallest;
+    let is_large = (high - low).max_element() >= breaking.smallest;
+    let breaks = breaking.generations > 1 && is_large;
     let strength = || breaking.strength.of_fragment(&world.bodies.shapes[*parent], &fragment.shape);
     let is_joint = pattern.is_joint(fragment.cell as usize);
     Label {
         name: format!("{}.{index}", parent_label.name),
         parent: Some(world.bodies.ids[*parent]),
         look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
-        breaking: breaks.then(|| {
-            let generations = breaking.generations - 1;
-            Box::new(Breaking { generations, strength: strength(), ..breaking.clone() })
-        }),
+        breaking: if fragment.is_rest() {
+            is_large.then(|| Box::new(Breaking { center: None, ..breaking.clone() }))
+        } else {
+            breaks.then(|| {
+                let generations = breaking.generations - 1;
+                let shatter = ShatterSettings { reach: None, ..breaking.shatter };
+                let strength = strength();
+                let center = None;
+                Box::new(Breaking { generations, strength, shatter, center, ..breaking.clone() })
+            })
+        },
         bonds: None,
         path: None,
         waiting: None,
@@ -181,7 +199,7 @@ pub(crate) fn fragment_body(
     let strength = label
         .breaking
         .as_ref()
-        .map_or(f64::INFINITY, |breaking| breaking.strength.bears(&fragment.shape, density));
+        .map_or(f64::INFINITY, |breaking| breaking.bears(&fragment.shape, density));
     NewBody {
         shape: Arc::new(fragment.shape),
         density,

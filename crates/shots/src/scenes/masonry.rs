@@ -68,6 +68,7 @@ fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
             strip([-WALL[0], 0.0], [-half_width, WALL[1]]),
             strip([half_width, 0.0], [WALL[0], WALL[1]]),
         ],
+        strength_points: Vec::new(),
     };
     let wall = BodyDesc {
         position: [0.0, 0.5 * WALL[1], 0.0],

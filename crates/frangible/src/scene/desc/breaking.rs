@@ -1,6 +1,7 @@
 //! Fracture of bodies, and glue between pieces.
 
 use crate::scene::desc::defaults;
+use crate::scene::desc::strength_points::StrengthPointDesc;
 use frangible_fracture::{Bricks, Concrete, Natural, Radial, Slices, Splinters, Voronoi};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -25,6 +26,23 @@ pub struct BreakingDesc {
     /// Minimum longest side of fragments that break again [m].
     #[serde(default)]
     pub smallest: f64,
+    /// How far a break reaches from its blow [m]: the rest stays whole, and is broken as before by
+    /// the next blow. The pattern is laid on what is in reach; bricks, slices and files are laid on
+    /// the whole body, and of them the cells with their centres in reach come loose. By default all
+    /// of the body breaks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reach: Option<f64>,
+    /// Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
+    /// blow's. What breaks again breaks where it is struck.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point: Option<[f64; 3]>,
+    /// Turn of the pattern about the blow's direction [rad].
+    #[serde(default, skip_serializing_if = "defaults::is_zero")]
+    pub twist: f64,
+    /// Points at which the body is stronger or weaker; in between strength is a mean, weighted by
+    /// the inverse squares of the distances. Not with the paper's method.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength_points: Vec<StrengthPointDesc>,
 }
 
 /// The strength of a body: an impulse, or its material's.
@@ -103,8 +121,9 @@ impl MaterialName {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BondsDesc {
-    /// Pattern that cuts a box, a hull or a compound into pieces; without it, a compound's parts
-    /// are the pieces.
+    /// Pattern that cuts the body into pieces. Without it, the parts of a compound are the pieces,
+    /// or the closed parts of a mesh, as `frangible break` writes them: a file or a folder of OBJ
+    /// files.
     #[serde(default)]
     pub pattern: Option<PatternDesc>,
     /// Point of the shape at the pattern's centre, in the shape's own frame [m]; by default the
@@ -122,6 +141,9 @@ pub struct BondsDesc {
     /// moves freely.
     #[serde(default)]
     pub anchors: Vec<AnchorDesc>,
+    /// Points at which bonds are stronger or weaker, as those of `breaking`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength_points: Vec<StrengthPointDesc>,
 }
 
 /// A fixing box along the world's axes.
@@ -170,6 +192,16 @@ impl BreakingDesc {
     /// Breaks once.
     pub fn once(strength: impl Into<StrengthDesc>, pattern: PatternDesc) -> Self {
         let generations = defaults::generations();
-        Self { strength: strength.into(), pattern, pieces: None, generations, smallest: 0.0 }
+        Self {
+            strength: strength.into(),
+            pattern,
+            pieces: None,
+            generations,
+            smallest: 0.0,
+            reach: None,
+            point: None,
+            twist: 0.0,
+            strength_points: Vec::new(),
+        }
     }
 }

@@ -37,3 +37,7 @@ pub(crate) fn weibull_modulus() -> f64 {
 pub(crate) fn generations() -> u32 {
     1
 }
+
+pub(super) fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}

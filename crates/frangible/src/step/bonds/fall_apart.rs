@@ -7,7 +7,6 @@ use crate::step::break_bodies::{fragment_body, imbalance};
 use crate::world::{Label, World};
 use frangible_bodies::{Frame, Motion, NewBody};
 use frangible_fracture::{Fragment, Glued};
-use frangible_geometry::{Compound, Hull, Shape};
 use glam::DVec3;
 
 /// A body with lost bonds.
@@ -74,13 +73,7 @@ fn island_body(
     glued: Glued,
 ) -> Option<(NewBody, Label)> {
     let sample_spacing = world.labels[parent].bonds.as_ref()?.sample_spacing;
-    let mut hulls: Vec<Hull> = glued.hulls().iter().map(|hull| Hull::clone(hull)).collect();
-    let shape = if let (1, Some(hull)) = (hulls.len(), hulls.first()) {
-        Shape::convex(hull.clone(), sample_spacing)
-    } else {
-        Shape::compound(Compound::new(std::mem::take(&mut hulls)), sample_spacing)
-    };
-    let shape = shape.ok()?;
+    let shape = glued.shape(sample_spacing).ok()?;
     let is_anchored = glued.is_anchored();
     let holds = glued.can_break();
     let bonds = holds.then(|| Box::new(Bonds { glued, carried: Vec::new(), sample_spacing }));

@@ -1,6 +1,7 @@
 //! State of a body that waits, and the speed of a hit.
 
 use frangible_bodies::{Frame, Velocity};
+use serde::{Deserialize, Serialize};
 
 /// An approach is a hit above the smaller one of a speed [m/s] and a share of what gravity gives
 /// in a frame [1], gravity's own gain in the frame not counted: that of a fall by half a millimetre.
@@ -10,7 +11,7 @@ const HIT_SPEED: f64 = 0.1;
 const HIT_SHARE: f64 = 0.3;
 
 /// When a waiting body starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Starts {
     /// In the step from this frame.
     AtFrame(u64),
@@ -19,7 +20,7 @@ pub enum Starts {
 }
 
 /// State of a body that waits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Waiting {
     pub(crate) starts: Starts,
     /// When it starts.
