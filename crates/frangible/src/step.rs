@@ -253,7 +253,6 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let found = contact_cache.find_manifolds(bodies, &swept.pairs, warm, frame);
     clock.lap("find_manifolds");
 
-    // Extend manifolds along impact chains.
     find_impact_chain(bodies, &predicted, &swept, (found, warm), frame);
     clock.lap("impact_chain");
     let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
@@ -329,8 +328,7 @@ fn strike_and_break(
         clock.lap("find_pairs");
         let may_break = passes < frame.settings.breaking_passes;
         let blows = if may_break {
-            let World { bodies, labels, .. } = world;
-            let local = LocalStrengths::of(bodies, labels);
+            let (local, bodies) = (LocalStrengths::of(world), &mut world.bodies);
             strike(bodies, &swept.pairs, &predicted, &|i, at| local.at(i, at), frame, accounts)
         } else {
             Vec::new()

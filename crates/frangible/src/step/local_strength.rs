@@ -1,7 +1,6 @@
 //! Bodies that are stronger at one place than at another.
 
-use crate::world::Label;
-use frangible_bodies::Bodies;
+use crate::world::{Label, World};
 use frangible_fracture::StrengthPoints;
 use frangible_math::RigidTransform;
 use glam::DVec3;
@@ -12,7 +11,7 @@ use std::sync::Arc;
 pub(crate) struct LocalStrengths(BTreeMap<usize, (Arc<StrengthPoints>, RigidTransform)>);
 
 impl LocalStrengths {
-    pub(crate) fn of(bodies: &Bodies, labels: &[Label]) -> Self {
+    pub(crate) fn of(World { bodies, labels, .. }: &World) -> Self {
         let varied = |(i, label): (usize, &Label)| {
             let points = label.breaking.as_ref()?.strength_points.clone()?;
             Some((i, (points, bodies.shapes[i].body_from_grid.inverse())))
