@@ -86,7 +86,7 @@ node crates/wasm/tests/same_bits.mjs target/wasm32-unknown-unknown/wasm/frangibl
 endef
 
 test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
-	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py
+	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py python/tests/test_artists_day.py
 
 $(BLENDER)/.installed:
 	$(PYTHON3_11) -m venv $(BLENDER)

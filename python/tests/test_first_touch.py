@@ -90,10 +90,11 @@ def test_the_engine_agrees_on_the_frame(
 
 def test_a_ball_through_a_hole_is_refused(tmp_path: Path) -> None:
     ring = []
+    profile = ((0.8, -0.1), (1, -0.1), (1, 0.1), (0.8, 0.1))
     for turn in range(24):
         angle = 2 * np.pi * turn / 24
         x, z = np.cos(angle), np.sin(angle)
-        ring += [f"v {r * x} {y} {r * z}" for r, y in ((0.8, -0.1), (1, -0.1), (1, 0.1), (0.8, 0.1))]
+        ring += [f"v {r * x} {y} {r * z}" for r, y in profile]
     for turn in range(24):
         here, there = 4 * turn, 4 * ((turn + 1) % 24)
         for k in range(4):
