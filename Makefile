@@ -88,7 +88,7 @@ test-wasm: ## Check that WebAssembly without vectors ends in the same states too
 	node web/test/same_bits.mjs out/engine-without-vectors
 
 test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
-	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py
+	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py python/tests/test_artists_day.py
 
 $(BLENDER)/.installed:
 	$(PYTHON3_11) -m venv $(BLENDER)

@@ -96,7 +96,8 @@ def test_wishes_become_a_scene(block: Path, capsys: pytest.CaptureFixture[str]) 
     body, ball = scene["bodies"]
     assert body["breaking"] == {"strength": "brick"} and body["shape"]["scale"] == 1e-3
     assert ball["shape"]["radius"] == 0.005 and "frames" not in scene
-    assert ball["position"][2] == pytest.approx(0.2 + 0.005 + 0.5 * 3)
+    # It falls on its way, and touches the front from above.
+    assert 0.2 - 0.05 < ball["position"][2] - 0.5 * 3 < 0.2 + 0.005
     assert body["starts"] == {"when": "struck"}
     assert ball["linear_velocity"] == pytest.approx([0, 0.5 * 0.5 * 9.81, -3])
 

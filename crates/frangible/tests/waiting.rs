@@ -97,7 +97,7 @@ fn a_body_starts_at_its_frame_with_its_velocities() {
     }
 }
 
-/// Before its frame it is a wall to a ball, which comes back as fast as it came, and does not break.
+/// Before its frame it is a wall to a ball, which comes back as fast, and does not break.
 #[test]
 fn what_waits_for_its_frame_bears_every_blow() {
     let pattern = PatternDesc::Voronoi(Voronoi::default());
@@ -166,7 +166,7 @@ fn a_blow_passes_on_through_others_within_the_frame() {
 }
 
 /// Without gravity and apart, bodies that wait and bodies that rest are the same: of random boxes
-/// and balls that a ball flies into the same ones move, in the same frames and the same way, but for
+/// and balls that a ball flies into the same ones move, in the same frames and the same way, up to
 /// the points that contacts keep from frame to frame, and the number of substeps.
 #[test]
 fn random_bodies_move_as_if_they_had_been_free() {

@@ -21,8 +21,8 @@ class EnergySeries:
     kinetic: Float64
     #: (n,) relative to its lowest value [J].
     potential: Float64
-    #: (n,) what there was before the first step, and the work and the bodies that have entered since
-    #: [J]; the zero is that of ``total``.
+    #: (n,) what there was before the first step, and the work and the bodies that have entered
+    #: since [J]; the zero is that of ``total``.
     available: Float64
     #: (n,) dissipated energy that the ledger's banks hold, to be spent again [J].
     bank: Float64

@@ -4,7 +4,7 @@ use frangible_bodies::{Frame, Velocity};
 use serde::{Deserialize, Serialize};
 
 /// An approach is a hit above the smaller one of a speed [m/s] and a share of what gravity gives
-/// in a frame [1], gravity's own gain in the frame not counted: that of a fall by half a millimetre.
+/// in a frame [1], without gravity's gain in the frame: that of a fall by half a millimetre.
 /// Resting bodies come slower: a mesh that is set down on a waiting one at 9 mm/s, a stack of ten
 /// cubes at 14 mm/s, the free half of a wall of bricks at the waiting half at 53 mm/s.
 const HIT_SPEED: f64 = 0.1;
