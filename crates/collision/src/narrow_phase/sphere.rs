@@ -92,24 +92,21 @@ impl BallContact<'_> {
 
     /// First touch within the frame after `start`, or the closest approach.
     fn first_touch(&self, start: Gap) -> Gap {
-        let (most_speed, dt) = (self.pair_motion.most_speed, self.pair_motion.frame.dt);
-        // The separation from a convex body is convex in straight motion: Newton's method does not
-        // overshoot, and converges where a ball rolls towards an edge.
-        let [ball, other] = self.ball_and_other();
-        let is_convex = self.is_convex()
-            && ball.acceleration == DVec3::ZERO
-            && other.acceleration == DVec3::ZERO
-            && (other.angular == DVec3::ZERO || matches!(self.other, ConvexShape::Ball(_)));
+        // A touch that comes after a substep may pass, too.
+        let (most_speed, end) = (self.pair_motion.most_speed, self.pair_motion.ahead);
         let mut gap = start;
         for _ in 0..MOST_STEPS {
             if gap.phi <= TOUCH * self.radius {
                 return self.grazing(gap);
             }
             let parting = self.parting(&gap);
-            let closing = if is_convex { -parting } else { most_speed / CAUTION };
+            let closing = match self.is_convex() {
+                true => self.fastest_closing(&gap),
+                false => most_speed / CAUTION,
+            };
             let time = gap.time + gap.phi / closing;
-            if time > dt || parting >= 0.0 {
-                return self.nearest(gap, dt);
+            if parting >= 0.0 || closing <= 0.0 || time > end {
+                return self.nearest(gap, end);
             }
             gap = self.gap(time);
         }
@@ -145,9 +142,25 @@ impl BallContact<'_> {
             let middle = self.gap(0.5 * (before.time + after.time));
             if self.parting(&middle) < 0.0 { before = middle } else { after = middle }
         }
-        // Where the ball passes the edge of a face, one of the two is on the face: the other's
-        // normal is that of a slope, and would let the ball sink or stop it.
-        if -self.parting(&before) < self.parting(&after) { before } else { after }
+        // Of a curved surface the instant between both is exact to the square of their distance.
+        // Where the ball passes the edge of a face, one of them is on the face: the other's normal
+        // is that of a slope, and would let the ball sink or stop it.
+        let [start, end] = [&before, &after].map(|gap| self.parting(gap));
+        let between = self.gap(before.time - start / (end - start) * (after.time - before.time));
+        let slowest = |a: &&Gap, b: &&Gap| self.parting(a).abs().total_cmp(&self.parting(b).abs());
+        *[&before, &after, &between].into_iter().min_by(slowest).unwrap_or(&after)
+    }
+
+    /// Upper bound of the speed at which the ball closes in on any point of a convex body along the
+    /// normal, from an instant to the frame's end [m/s]. In straight motion without spin it is that
+    /// of the touch: Newton's method, which does not overshoot.
+    fn fastest_closing(&self, gap: &Gap) -> f64 {
+        let [ball, other] = self.ball_and_other();
+        // Common gravity cancels.
+        let falling = (other.acceleration - ball.acceleration).dot(gap.outward);
+        let most = (gap.time * falling).max(self.pair_motion.ahead * falling);
+        let spin = if matches!(self.other, ConvexShape::Ball(_)) { 0.0 } else { other.spin_speed };
+        (other.linear - ball.linear).dot(gap.outward) + most + spin
     }
 
     /// Separating speed [m/s].

@@ -22,6 +22,10 @@ const THIN: f64 = 1e-5;
 /// 2.5e-3 a cylinder of 4 cm that slides along its axis does.
 const RIM: f64 = 4e-3;
 
+/// Time within which a body may pass an edge, relative to the rest of the frame [1]: contacts act
+/// up to a substep ahead, and a frame has two at least.
+pub(crate) const BEYOND: f64 = 1.5;
+
 /// A body's motion through a frame, seen from a mesh.
 pub(crate) struct MeshMotion<'a> {
     pub(crate) pair_motion: &'a PairMotion<'a>,

@@ -7,7 +7,7 @@
 
 use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, nearest_to_corner, sweep_corner};
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of, side_of};
-use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::mesh::mesh_motion::{BEYOND, MeshMotion};
 use crate::narrow_phase::mesh::triangle_sweep::{Facet, Sweep};
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_geometry::{EdgeKind, Sides};
@@ -26,10 +26,6 @@ const ALIKE: f64 = 0.7;
 
 /// Cosine of the least angle at an edge whose rim is not met [1].
 const STEEP: f64 = 0.9;
-
-/// Time within which a ball may pass an edge, relative to the rest of the frame [1]: contacts act
-/// up to a substep ahead, and a frame has two at least.
-const BEYOND: f64 = 1.5;
 
 /// Cosine between normals of the same plane, as in the solver's constraints.
 const SAME_NORMAL: f64 = 1.0 - 1e-5;

@@ -2,7 +2,7 @@
 
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
-use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::mesh::mesh_motion::{BEYOND, MeshMotion};
 use crate::narrow_phase::revolved::contact::{THIN, TOUCH};
 use crate::narrow_phase::revolved::first_touch::{Apart, Meeting};
 use crate::narrow_phase::revolved::partner::Partner;
@@ -13,10 +13,6 @@ use crate::narrow_phase::revolved::separation::{Separation, flat_separation, qui
 use frangible_geometry::Revolved;
 use frangible_math::RigidTransform;
 use glam::DVec3;
-
-/// Time within which a body may pass an edge, relative to the rest of the frame [1]: contacts act
-/// up to a substep ahead, and a frame has two at least.
-const BEYOND: f64 = 1.5;
 
 /// A body of revolution and the motion of its pair.
 #[derive(Clone, Copy)]

@@ -86,7 +86,11 @@ impl Meeting<'_> {
             let middle = (self.at)(0.5 * (before.time + after.time), before.normal);
             if middle.parting < 0.0 { before = middle } else { after = middle }
         }
-        // Where a body passes the edge of a face, one of the two is on the face.
-        if -before.parting < after.parting { before } else { after }
+        // Of curved surfaces the instant between both is exact to the square of their distance.
+        // Where a body passes the edge of a face, one of them is on the face.
+        let part = before.parting / (before.parting - after.parting);
+        let between = (self.at)(before.time + part * (after.time - before.time), before.normal);
+        let slowest = |a: &Apart, b: &Apart| a.parting.abs().total_cmp(&b.parting.abs());
+        [before, after, between].into_iter().min_by(slowest).unwrap_or(after)
     }
 }
