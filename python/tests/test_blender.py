@@ -74,3 +74,38 @@ def test_the_wall_too(ending: str, wall: Recording, tmp_path: Path) -> None:
 
 def test_blender_takes_over_the_frames_of_the_stage(scripted: Recording, tmp_path: Path) -> None:
     assert look(scripted, tmp_path / "slab.usdc")["frames"] == [0, scripted.frames]
+
+
+def test_blender_draws_what_we_draw(scripted: Recording, tmp_path: Path) -> None:
+    """The same camera, and each piece where ours is, moved by the same way."""
+    from frangible.cli import main
+    from PIL import Image
+
+    scripted.save(tmp_path / "slab.npz")
+    seen = {}
+    for renderer in ("own", "blender"):
+        out = tmp_path / f"{renderer}.png"
+        options = ["--frame", "3", "--size", "160x90", "--renderer", renderer, "--quiet"]
+        options += ["--shutter", "180", "--samples", "8"]
+        assert main(["render", str(tmp_path / "slab.npz"), "--out", str(out), *options]) == 0
+        with Image.open(out) as image:
+            colours = np.asarray(image.convert("RGB")).astype(int)
+        # Cracks, and colours of sources, are warmer than the grey floor and the sky.
+        seen[renderer] = colours[..., 0] - colours[..., 2] > 12
+    own, blender = seen["own"], seen["blender"]
+    assert own.sum() > 100
+    assert (own & blender).sum() > 0.6 * (own | blender).sum()
+    middles = [np.argwhere(colours).mean(axis=0) for colours in (own, blender)]
+    assert middles[0] == pytest.approx(middles[1], abs=2.0)
+
+
+def test_pieces_are_where_they_came_from_before_they_are_seen(scripted: Recording) -> None:
+    from frangible.io.blender import shown_to_shutter
+
+    early = {body.id: body for body in shown_to_shutter(scripted).bodies}
+    piece, slab = scripted.body(4), scripted.body(1)
+    assert piece.before is not None
+    assert early[4].birth_frame == piece.birth_frame - 1 == early[1].death_frame
+    assert early[4].positions[0] == pytest.approx(piece.before[:3])
+    assert early[4].positions[1:] == pytest.approx(piece.positions)
+    assert early[1].positions == pytest.approx(slab.positions)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from frangible import OutputError, Recording
 from frangible.cli import main
-from frangible.io.output import View, open_output
+from frangible.io.drawing import View
+from frangible.io.output import open_output
 from frangible.render import film_processes
 from frangible.render.camera import frame_recording
 from frangible.render.film import _encode
@@ -178,5 +179,5 @@ def test_a_film_that_is_stopped_says_nothing_of_its_own(
         yield
 
     with pytest.raises(KeyboardInterrupt):
-        _encode(stopped(), str(tmp_path / "a.mp4"), ".mp4", 64, 64, 30.0)
+        _encode(stopped(), str(tmp_path / "a.mp4"), ".mp4", 30.0)
     assert capfd.readouterr().err == "" and not caplog.records

@@ -22,7 +22,7 @@ from .breaking import add_break
 from .files import add_info, add_plot, add_shots
 from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, Parser
 from .pattern import add_pattern
-from .render import add_render
+from .render import add_film, add_render
 from .run import add_run
 from .scene import add_scene, add_schema
 from .verify import add_verify
@@ -34,6 +34,7 @@ COMMANDS = (
     add_bench,
     add_break,
     add_plot,
+    add_film,
     add_render,
     add_verify,
     add_pattern,

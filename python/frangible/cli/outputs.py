@@ -7,17 +7,28 @@ import os
 import sys
 from collections.abc import Callable
 
-from ..io.output import Output, View, open_output
+from ..io.drawing import View
+from ..io.output import Output, open_output
 from ..recording import Recording
+from ..render.shutter import Shutter
 from .options import EXIT_FAILED
 
 
 def open_outputs(options: argparse.Namespace) -> list[Output]:
-    """The outputs that ``--out`` names, seen as ``--camera`` and ``--size`` say."""
+    """The outputs that ``--out`` names, seen as the options of `add_view` say."""
     outputs = []
     for path in options.out:
         progress = None if options.quiet else _progress(path)
-        view = View(options.camera, options.size, progress)
+        view = View(
+            options.camera,
+            options.size,
+            progress,
+            Shutter(options.shutter, options.samples or Shutter().samples),
+            options.renderer,
+            options.samples or View().rays,
+            getattr(options, "first", 0),
+            getattr(options, "last", None),
+        )
         outputs.append(open_output(path, options.frame, view))
     return outputs
 

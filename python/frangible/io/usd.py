@@ -20,6 +20,7 @@ from ..render.normals import corner_normals, shaded_mesh
 from ..render.palette import Palette
 from .image_folder import ImageFolder
 from .keyframes import telling_samples
+from .usd_cameras import write_camera
 from .usd_materials import add_material
 from .usd_tree import PrimTree, root_name
 from .usd_stage import mark, open_stage, written_as
@@ -31,9 +32,9 @@ STEP = 1.0 / 64.0
 RECORDING = "recording"
 
 
-def write_usd(recording: Recording, path: str) -> None:
+def write_usd(recording: Recording, path: str, late: float = 0.0) -> None:
     """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is
-    up."""
+    up. Bodies appear and vanish so much ``late`` [frames]."""
     # Sample times and units.
     stage = Usd.Stage.CreateNew(path)
     images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
@@ -72,7 +73,9 @@ def write_usd(recording: Recording, path: str) -> None:
         for body in family:
             mesh = _mesh(stage, tree.body(source, body, family[0].name), body, palette)
             _motion(mesh, body, convention.first_frame)
-            _life(mesh, body, convention.first_frame)
+            _life(mesh, body, convention.first_frame, late)
+    for camera in convention.cameras:
+        write_camera(stage, tree.camera(camera.name), camera, convention, recording.fps)
     _save(stage)
 
 
@@ -202,16 +205,17 @@ def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> N
             layer.SetTimeSample(path, float(frames[row]), values[row])
 
 
-def _life(mesh: Any, body: Body, first_frame: float) -> None:
+def _life(mesh: Any, body: Body, first_frame: float, late: float) -> None:
     """Show a body while it lives; not everything that reads USD heeds a visibility that changes."""
     if body.birth_frame == 0 and body.death_frame is None:
         return
     visibility = mesh.CreateVisibilityAttr()
     scale = mesh.AddScaleOp(UsdGeom.XformOp.PrecisionFloat)
     nothing, whole = Gf.Vec3f(0.0), Gf.Vec3f(1.0)
-    birth = first_frame + body.birth_frame
-    death = None if body.death_frame is None else first_frame + body.death_frame
-    if body.birth_frame > 0:
+    # What is there at first is not late.
+    birth = first_frame + body.birth_frame + (late if body.parent is not None else 0.0)
+    death = None if body.death_frame is None else first_frame + body.death_frame + late
+    if birth > first_frame:
         visibility.Set(UsdGeom.Tokens.invisible, 0.0)
         # Scales between two samples are interpolated: each change is a steep one.
         scale.Set(nothing, birth - STEP)

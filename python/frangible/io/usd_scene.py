@@ -16,6 +16,7 @@ from ..convention import Convention
 from ..recording import Float64
 from ..scene_lines import PrimSkin
 from .reading import FileNote, file_fault
+from .usd_cameras import stage_cameras
 from .usd_bodies import StageBody, find_bodies
 from .usd_colliders import Fit, fit
 from .usd_compound import Hulls, body_shape
@@ -100,7 +101,12 @@ def _convention(path: str, stage: Any) -> Convention:
     frame = metres_from_stage(path, stage)
     start = float(stage.GetStartTimeCode()) if stage.HasAuthoredTimeCodeRange() else 0.0
     up = "y" if frame[1, 1] > 0.0 else "z"
-    return Convention(up, float(np.linalg.norm(frame[0])), start if math.isfinite(start) else 0.0)
+    return Convention(
+        up,
+        float(np.linalg.norm(frame[0])),
+        start if math.isfinite(start) else 0.0,
+        stage_cameras(stage, affine(frame.T, np.zeros(3))),
+    )
 
 
 def import_stage(path: str, stage: Any) -> tuple[dict[str, Any], list[Any]]:

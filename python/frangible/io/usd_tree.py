@@ -76,6 +76,13 @@ class PrimTree:
             own = own.rpartition("/")[2]
         return self.child(self.branch(source, path), own)
 
+    def camera(self, name: str) -> str:
+        """Where a camera goes: at the path that its name is, as far as it is free."""
+        steps = _steps(name)
+        if len(steps) > 1 and f"/{steps[0]}" == self.root:
+            steps = steps[1:]
+        return self.child(self.branch(self.root, tuple(steps[:-1])), steps[-1])
+
     def _xform(self, path: str) -> str:
         UsdGeom.Xform.Define(self._stage, path)
         return path
