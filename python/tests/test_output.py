@@ -208,8 +208,8 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
 @pytest.mark.parametrize(
     ("name", "rule"),
     [
-        ("wall.fbx", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc"),
-        ("wall", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc"),
+        ("wall.fbx", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc, .usdz"),
+        ("wall", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc, .usdz"),
         ("folder.glb", "must be a file"),
     ],
 )

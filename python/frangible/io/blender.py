@@ -84,7 +84,7 @@ def blender_pictures(film: BlenderFilm, frames: Sequence[int]) -> Generator[Pict
 
     with tempfile.TemporaryDirectory() as folder:
         stage = os.path.join(folder, "recording.usdc")
-        write_usd(shown_to_shutter(film.recording), stage, LATE)
+        write_usd(shown_to_shutter(film.recording), stage, late=LATE)
         job = os.path.join(folder, "job.json")
         with open(job, "w", encoding="utf-8") as file:
             json.dump(_job(film, frames, stage, folder), file)

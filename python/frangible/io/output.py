@@ -12,7 +12,7 @@ from ..extras import missing_packages
 from ..recording import Recording
 from ..render.camera import check_camera
 from .drawing import View, check_renderer, drawn
-from .whole import whole_file, whole_folder
+from .whole import whole_file, whole_folder, whole_path
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +49,16 @@ def _write_npz(recording: Recording, path: str, frame: int | None) -> None:
 
 
 def _write_usd(recording: Recording, path: str, frame: int | None) -> None:
-    from .usd import write_usd
+    from .usd import geometry_path, write_usd
 
-    write_usd(recording, path)
+    with whole_file(geometry_path(whole_path(path))) as geometry:
+        write_usd(recording, path, geometry)
+
+
+def _write_usdz(recording: Recording, path: str, frame: int | None) -> None:
+    from .usd import write_usdz
+
+    write_usdz(recording, path)
 
 
 def _write_glb(recording: Recording, path: str, frame: int | None) -> None:
@@ -81,6 +88,7 @@ _FORMATS = {
     ".png": _Format(drawn(".png", View()), "render"),
     ".usda": _Format(_write_usd, "usd"),
     ".usdc": _Format(_write_usd, "usd"),
+    ".usdz": _Format(_write_usdz, "usd"),
 }
 
 #: Endings that are drawn from a camera.

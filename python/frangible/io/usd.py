@@ -6,10 +6,12 @@ from __future__ import annotations
 import errno
 import math
 import os
+import tempfile
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
 from ..errors import CacheError
 from ..names import by_source, unique_names
@@ -19,25 +21,29 @@ from ..render.ground import with_visible_ground
 from ..render.normals import corner_normals, shaded_mesh
 from ..render.palette import Palette
 from .image_folder import ImageFolder
-from .keyframes import telling_samples
 from .usd_cameras import write_camera
 from .usd_materials import add_material
-from .usd_tree import PrimTree, root_name
+from .usd_motion import Timing, extent_of_all, write_life, write_motion, write_velocities
 from .usd_stage import mark, open_stage, written_as
+from .usd_tree import PrimTree, root_name
 from .whole import whole_path
 
-#: How long a body takes to appear and to vanish [frames].
-STEP = 1.0 / 64.0
 #: The marker of a stage that a recording was written as.
 RECORDING = "recording"
 
 
-def write_usd(recording: Recording, path: str, late: float = 0.0) -> None:
-    """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is
-    up. Bodies appear and vanish so much ``late`` [frames]."""
+def write_usd(
+    recording: Recording, path: str, geometry: str | None = None, late: float = 0.0
+) -> None:
+    """Write ``.usda`` or ``.usdc``; time codes are frames, masses kilograms; units and axes are the
+    recording's convention.
+
+    With ``geometry``, surfaces and materials go into that file, which the stage has as a sublayer:
+    what moves is in a small layer of its own. Bodies appear and vanish so much ``late`` [frames].
+    """
     # Sample times and units.
-    stage = Usd.Stage.CreateNew(path)
-    images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
+    stage = Usd.Stage.CreateNew(path) if geometry is None else Usd.Stage.CreateInMemory()
+    motion = stage.GetRootLayer()
     convention = recording.convention
     is_z_up = convention.up_axis == "z"
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if is_z_up else UsdGeom.Tokens.y)
@@ -48,35 +54,73 @@ def write_usd(recording: Recording, path: str, late: float = 0.0) -> None:
     stage.SetStartTimeCode(convention.first_frame)
     stage.SetEndTimeCode(convention.first_frame + recording.frames)
     mark(stage, RECORDING)
+    bodies = with_visible_ground(recording).bodies
+    families = by_source(bodies)
+    root = root_name([family[0].name for family in families.values()])
+    motion.defaultPrim = root
+    shapes = motion
+    if geometry is not None:
+        shapes = Sdf.Layer.CreateNew(geometry)
+        shapes.TransferContent(motion)
+        shapes.customLayerData = {}
+        motion.subLayerPaths.append(shapes.identifier)
+        stage.SetEditTarget(shapes)
 
     # The root.
-    families = by_source(with_visible_ground(recording).bodies)
-    tree = PrimTree(stage, root_name([family[0].name for family in families.values()]))
-    root = UsdGeom.Xform.Get(stage, tree.root)
-    Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
-    stage.SetDefaultPrim(root.GetPrim())
+    tree = PrimTree(stage, root)
+    top = UsdGeom.Xform.Get(stage, tree.root)
+    Usd.ModelAPI(top.GetPrim()).SetKind(Kind.Tokens.component)
     materials = tree.child(tree.root, "Materials")
     UsdGeom.Scope.Define(stage, materials)
     # What is below is in metres, y up.
     if is_z_up:
-        root.AddRotateXOp().Set(90.0)
+        top.AddRotateXOp().Set(90.0)
     if convention.metres != 1.0:
-        root.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
+        top.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
 
-    # One Xform for each source, with its pieces.
+    # One Xform for each source, with its pieces; their motion in its own layer.
+    images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
     palette = Palette(
         families,
         lambda name, material: add_material(stage, f"{materials}/{name}", material, images),
     )
+    timing = Timing(convention.first_frame, recording.fps, late)
     for family in families.values():
         source = tree.source(family[0].name)
         for body in family:
             mesh = _mesh(stage, tree.body(source, body, family[0].name), body, palette)
-            _motion(mesh, body, convention.first_frame)
-            _life(mesh, body, convention.first_frame, late)
-    for camera in convention.cameras:
-        write_camera(stage, tree.camera(camera.name), camera, convention, recording.fps)
-    _save(stage)
+            with Usd.EditContext(stage, motion):
+                write_motion(mesh, body, timing)
+                write_life(mesh, body, timing)
+                write_velocities(mesh, body, timing)
+    with Usd.EditContext(stage, motion):
+        UsdGeom.ModelAPI.Apply(top.GetPrim()).SetExtentsHint(extent_of_all(bodies))
+        for camera in convention.cameras:
+            write_camera(stage, tree.camera(camera.name), camera, convention, recording.fps)
+    if geometry is None:
+        _save(motion.Save)
+        return
+    _save(shapes.Save)
+    # The files take their names when both are whole.
+    named = Sdf.Layer.CreateAnonymous()
+    named.TransferContent(motion)
+    named.subLayerPaths[:] = [f"./{os.path.basename(whole_path(geometry))}"]
+    _save(lambda: named.Export(path))
+
+
+def write_usdz(recording: Recording, path: str) -> None:
+    """The same as one file, with its images in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        stem = os.path.splitext(os.path.basename(whole_path(path)))[0]
+        stage = os.path.join(folder, f"{stem}.usdc")
+        write_usd(recording, stage)
+        _save(lambda: UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(stage), path))
+
+
+def geometry_path(path: str) -> str:
+    """Where the surfaces of a stage at a path are."""
+    stem, ending = os.path.splitext(path)
+    return f"{stem}.geometry{ending}"
 
 
 def write_pieces(pieces: Pieces, path: str) -> None:
@@ -98,17 +142,17 @@ def write_pieces(pieces: Pieces, path: str) -> None:
     )
     tree = PrimTree(stage, name, ["Materials"])
     for body in bodies:
-        _motion(_mesh(stage, tree.body(tree.root, body, ""), body, palette), body)
-    _save(stage)
+        write_motion(_mesh(stage, tree.body(tree.root, body, ""), body, palette), body, Timing())
+    _save(stage.GetRootLayer().Save)
 
 
-def _save(stage: Any) -> None:
+def _save(write: Callable[[], bool | None]) -> None:
+    reason = "the USD library could not write all of it; is the disk full?"
     try:
-        stage.GetRootLayer().Save()
+        if write() is False:
+            raise OSError(errno.EIO, reason)
     except Tf.ErrorException as error:
-        raise OSError(
-            errno.EIO, "the USD library could not write all of it; is the disk full?"
-        ) from error
+        raise OSError(errno.EIO, reason) from error
 
 
 def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
@@ -180,51 +224,6 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
             )
             UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
     return mesh
-
-
-def _motion(mesh: Any, body: Body, first_frame: float = 0.0) -> None:
-    frames = first_frame + body.birth_frame + np.arange(len(body.positions))
-
-    # Samples only while the body lives, and none that interpolation gives anyway.
-    translate = mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
-    positions = [Gf.Vec3d(*position) for position in body.positions.tolist()]
-    _set_samples(translate.GetAttr(), frames, positions, telling_samples(body.positions))
-    orient = mesh.AddOrientOp(UsdGeom.XformOp.PrecisionFloat)
-    orientations = [Gf.Quatf(w, x, y, z) for x, y, z, w in body.orientations.tolist()]
-    _set_samples(orient.GetAttr(), frames, orientations, telling_samples(body.orientations))
-
-
-def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> None:
-    if len(rows) == 1:
-        attribute.Set(values[0])
-        return
-    # Thousands of paths are long: write to the layer itself, without a notice for every sample.
-    layer, path = attribute.GetStage().GetRootLayer(), attribute.GetPath()
-    with Sdf.ChangeBlock():
-        for row in rows.tolist():
-            layer.SetTimeSample(path, float(frames[row]), values[row])
-
-
-def _life(mesh: Any, body: Body, first_frame: float, late: float) -> None:
-    """Show a body while it lives; not everything that reads USD heeds a visibility that changes."""
-    if body.birth_frame == 0 and body.death_frame is None:
-        return
-    visibility = mesh.CreateVisibilityAttr()
-    scale = mesh.AddScaleOp(UsdGeom.XformOp.PrecisionFloat)
-    nothing, whole = Gf.Vec3f(0.0), Gf.Vec3f(1.0)
-    # What is there at first is not late.
-    birth = first_frame + body.birth_frame + (late if body.parent is not None else 0.0)
-    death = None if body.death_frame is None else first_frame + body.death_frame + late
-    if birth > first_frame:
-        visibility.Set(UsdGeom.Tokens.invisible, 0.0)
-        # Scales between two samples are interpolated: each change is a steep one.
-        scale.Set(nothing, birth - STEP)
-    visibility.Set(UsdGeom.Tokens.inherited, birth)
-    scale.Set(whole, birth)
-    if death is not None:
-        visibility.Set(UsdGeom.Tokens.invisible, death)
-        scale.Set(whole, death - STEP)
-        scale.Set(nothing, death)
 
 
 def describe_usd(path: str) -> dict[str, object] | None:

@@ -75,8 +75,8 @@ def _camera(stage: Any, camera: Any, units: Float64) -> StageCamera | None:
 def write_camera(
     stage: Any, path: str, camera: StageCamera, convention: Convention, fps: float
 ) -> None:
-    """A camera below a root that turns metres, y up, into the stage's unit and axes, in a stage that
-    shows ``fps`` time codes a second."""
+    """A camera below a root that turns metres, y up, into the stage's unit and axes. ``fps`` are
+    the stage's time codes per second."""
     prim = UsdGeom.Camera.Define(stage, path)
     # The usual film is 20.955 units wide; apertures and focal length are in one unit.
     wide, high = camera.lenses[0]

@@ -16,15 +16,15 @@ from ..convention import Convention
 from ..recording import Float64
 from ..scene_lines import PrimSkin
 from .reading import FileNote, file_fault
-from .usd_cameras import stage_cameras
 from .usd_bodies import StageBody, find_bodies
+from .usd_cameras import stage_cameras
 from .usd_colliders import Fit, fit
 from .usd_compound import Hulls, body_shape
 from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of, voxels_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
-from .usd_mass import Units, density, name_what_is_computed, physics_material
 from .usd_looks import has_look
+from .usd_mass import Units, density, name_what_is_computed, physics_material
 from .usd_mesh import missing_files
 from .usd_notes import Notes
 from .usd_others import name_others
