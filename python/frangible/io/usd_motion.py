@@ -65,7 +65,7 @@ def _between(start: Float64, end: Float64) -> Float64:
     return product(end, start * [-1.0, -1.0, -1.0, 1.0])
 
 
-def _set_samples(attribute: Any, times: Float64, values: Any, rows: Any) -> None:
+def _set_samples(attribute: Any, times: Any, values: Any, rows: Any) -> None:
     if len(rows) == 1:
         attribute.Set(values[0])
         return
