@@ -6,7 +6,6 @@ import argparse
 import math
 import re
 import signal
-import sys
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
@@ -29,12 +28,15 @@ EXIT_INTERRUPTED = 128 + signal.SIGINT
 EXIT_PIPE_CLOSED = 128 + signal.SIGPIPE
 
 
+class BadArguments(Exception):
+    """Arguments that cannot be read, in one sentence."""
+
+
 class Parser(argparse.ArgumentParser):
     """Answers bad arguments with one sentence, which asks for the nearest word that it knows."""
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}{self._rule(message)}", file=sys.stderr)
-        sys.exit(EXIT_BAD_INPUT)
+        raise BadArguments(f"{self.prog}: {message}{self._rule(message)}")
 
     def _rule(self, message: str) -> str:
         """The form of an option without its values, or of all arguments, or the nearest word."""

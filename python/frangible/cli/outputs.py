@@ -6,12 +6,14 @@ import argparse
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from ..io.drawing import View
 from ..io.output import Output, open_output
 from ..recording import Recording
 from ..render.shutter import Shutter
 from .options import EXIT_FAILED
+from .results import print_json
 
 
 def open_outputs(options: argparse.Namespace) -> list[Output]:
@@ -43,10 +45,28 @@ def _progress(path: str) -> Callable[[int, int], None]:
     return line
 
 
-def write(outputs: list[Output], recording: Recording, quiet: bool = False) -> int:
+@dataclass(frozen=True, slots=True)
+class Written:
+    """What became of an output."""
+
+    path: str
+    #: The reason why it could not be written.
+    error: str | None = None
+
+    def as_json(self) -> dict[str, object]:
+        """For ``--json``."""
+        if self.error is not None:
+            return {"path": self.path, "error": self.error}
+        is_file = os.path.isfile(self.path)
+        return {"path": self.path, "bytes": os.path.getsize(self.path) if is_file else None}
+
+
+def write(
+    outputs: list[Output], recording: Recording, quiet: bool = False, as_json: bool = False
+) -> int:
     """Each output, with a line for each on stderr; those that fail do not keep the others. The exit
     status."""
-    status = 0
+    done = []
     for output in outputs:
         try:
             output.write(recording)
@@ -54,10 +74,14 @@ def write(outputs: list[Output], recording: Recording, quiet: bool = False) -> i
             said = getattr(error, "strerror", None) or str(error) or type(error).__name__
             sentence = said if said.startswith(output.path) else f"{output.path}: {said}"
             print(f"frangible: {sentence}", file=sys.stderr, flush=True)
-            status = EXIT_FAILED
+            done.append(Written(output.path, sentence))
             continue
+        done.append(Written(output.path))
         if not quiet:
             print(f"wrote {output.path}{_size(output.path)}", file=sys.stderr)
+    status = EXIT_FAILED if any(one.error for one in done) else 0
+    if as_json:
+        print_json({"outputs": [one.as_json() for one in done], "status": status})
     return status
 
 

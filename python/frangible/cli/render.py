@@ -66,7 +66,7 @@ def _film(options: argparse.Namespace) -> int:
     check_camera(options.camera, recording.convention.cameras)
     _check_frame("--first", options.first, recording)
     _check_frame("--last", options.last, recording)
-    return write(outputs, recording, options.quiet)
+    return write(outputs, recording, options.quiet, options.json)
 
 
 def _render(options: argparse.Namespace) -> int:
@@ -74,7 +74,7 @@ def _render(options: argparse.Namespace) -> int:
     recording = Recording.load(options.file)
     check_camera(options.camera, recording.convention.cameras)
     _check_frame("--frame", options.frame, recording)
-    return write(outputs, recording, options.quiet)
+    return write(outputs, recording, options.quiet, options.json)
 
 
 def _check_frame(option: str, frame: int | None, recording: Recording) -> None:
