@@ -103,7 +103,7 @@ $(VENV)/.tools: pyproject.toml
 	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
 	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "completion", "dev") \
+	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "completion", "alembic", "dev") \
 	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
 	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
 	touch $@

@@ -58,8 +58,10 @@ def check(recording: Recording, seen: dict[str, Any]) -> None:
         assert all(seen["materials"][name])
 
 
-@pytest.mark.parametrize("ending", ["usdc", "usda", "glb"])
+@pytest.mark.parametrize("ending", ["usdc", "usda", "glb", "abc"])
 def test_every_frame_shows_what_is_alive(ending: str, scripted: Recording, tmp_path: Path) -> None:
+    if ending == "abc":
+        pytest.importorskip("alembic3d")
     seen = look(scripted, tmp_path / f"slab.{ending}")
     check(scripted, seen)
 

@@ -43,7 +43,7 @@ def test_results_are_json(
         (["plot", f"{tmp_path}/run.npz", "--out", f"{tmp_path}/e.svg"], "outputs"),
         (["film", cache, "--size", "32x32", "--out", f"{tmp_path}/f/"], "outputs"),
         (["render", cache, "--size", "32x32", "--out", f"{tmp_path}/p.png"], "outputs"),
-        (["pattern", "voronoi", "--cells", "5"], "pieces"),
+        (["pattern", "voronoi", "--cells", "5"], "cells"),
         (["shots"], "wall"),
         (["info", cache], "frames"),
         (["schema"], "properties"),

@@ -16,6 +16,10 @@ def main(path: str, frames: int) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if path.endswith(".glb"):
         bpy.ops.import_scene.gltf(filepath=path)
+    elif path.endswith(".abc"):
+        # Alembic counts seconds, too.
+        bpy.context.scene.render.fps = 24
+        bpy.ops.wm.alembic_import(filepath=path)
     else:
         bpy.ops.wm.usd_import(filepath=path)
     scene = bpy.context.scene

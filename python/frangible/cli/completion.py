@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import zlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -78,10 +79,8 @@ def _takes_file(action: argparse.Action) -> bool:
 
 def _words_and_files(words: list[str]) -> dict[str, Any]:
     """Completes names, and files."""
-    import shtab
-
     all_words = " ".join(words)
-    name = f"_frangible_{shtab.sha(words)}"
+    name = f"_frangible_{zlib.crc32(all_words.encode()):08x}"
     bash = f'{name}() {{\n  compgen -W "{all_words}" -- $1\n  compgen -f -- $1\n}}'
     zsh = f"{name}() {{\n  compadd {all_words}\n  _files\n}}"
     return {

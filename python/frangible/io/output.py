@@ -61,6 +61,12 @@ def _write_usdz(recording: Recording, path: str, frame: int | None) -> None:
     write_usdz(recording, path)
 
 
+def _write_abc(recording: Recording, path: str, frame: int | None) -> None:
+    from .alembic import write_abc
+
+    write_abc(recording, path)
+
+
 def _write_glb(recording: Recording, path: str, frame: int | None) -> None:
     from .gltf import write_glb
 
@@ -80,6 +86,7 @@ def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
 
 
 _FORMATS = {
+    ".abc": _Format(_write_abc, "alembic"),
     ".glb": _Format(_write_glb),
     ".gif": _Format(drawn(".gif", View()), "film"),
     ".html": _Format(_write_html),
