@@ -85,12 +85,13 @@ CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS=-Ctarget-feature=$(1) \
 node crates/wasm/tests/same_bits.mjs target/wasm32-unknown-unknown/wasm/frangible_wasm.wasm crates/shots/tests/same_bits.txt
 endef
 
-test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
-	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py
+test-blender: build $(BLENDER)/.installed ## Check our files in Blender and MuJoCo, which take 500 MB of their own
+	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python MUJOCO_PYTHON=$(CURDIR)/$(BLENDER)/bin/python \
+	  $(BIN)/pytest python/tests/test_blender.py python/tests/test_robot_pieces.py
 
 $(BLENDER)/.installed:
 	$(PYTHON3_11) -m venv $(BLENDER)
-	$(BLENDER)/bin/python -m pip install --quiet bpy==5.0.1
+	$(BLENDER)/bin/python -m pip install --quiet bpy==5.0.1 mujoco==4.0.0
 	touch $@
 
 clean: ## Remove what the other targets made

@@ -152,8 +152,8 @@ def _set_renderer(scene: Any, job: dict[str, Any]) -> None:
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGB"
     scene.view_settings.view_transform = "AgX"
-    scene.view_settings.look = "AgX - Medium High Contrast"
-    scene.view_settings.exposure = -0.2
+    scene.view_settings.look = "AgX - Punchy"
+    scene.view_settings.exposure = 0.3
     if job["shutter"] > 0.0:
         scene.render.use_motion_blur = True
         scene.render.motion_blur_shutter = job["shutter"]
