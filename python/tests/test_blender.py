@@ -3,13 +3,16 @@
 import json
 import os
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from frangible import Recording
+from frangible.convention import Convention
 from frangible.names import by_source, unique_names
+from frangible.stage_camera import StageCamera
 
 BLENDER = os.environ.get("BLENDER_PYTHON")
 LOOK = Path(__file__).parents[2] / "tests" / "blender" / "look.py"
@@ -68,8 +71,6 @@ def test_every_frame_shows_what_is_alive(ending: str, scripted: Recording, tmp_p
 
 @pytest.mark.parametrize("ending", ["usdc", "glb"])
 def test_the_wall_too(ending: str, wall: Recording, tmp_path: Path) -> None:
-    from dataclasses import replace
-
     # Blender's scene keeps 24 frames a second, and places what glTF has in seconds at those.
     check(replace(wall, fps=24.0), look(replace(wall, fps=24.0), tmp_path / f"wall.{ending}"))
 
@@ -78,17 +79,24 @@ def test_blender_takes_over_the_frames_of_the_stage(scripted: Recording, tmp_pat
     assert look(scripted, tmp_path / "slab.usdc")["frames"] == [0, scripted.frames]
 
 
-def test_blender_draws_what_we_draw(scripted: Recording, tmp_path: Path) -> None:
+@pytest.mark.parametrize("camera", ["fit", "stage"])
+def test_blender_draws_what_we_draw(camera: str, scripted: Recording, tmp_path: Path) -> None:
     """The same camera, and each piece where ours is, moved by the same way."""
     from frangible.cli import main
     from PIL import Image
 
-    scripted.save(tmp_path / "slab.npz")
+    # A camera that flies by, four frames in the time of three.
+    cameras = ()
+    if camera == "stage":
+        eyes = tuple((x, 3.0, 9.0) for x in np.linspace(-6.0, 3.0, 9))
+        still, lens = (0.0, 0.0, 0.0, 1.0), (0.5, 0.3)
+        cameras = (StageCamera("/Cam", 32.0, eyes, (still,) * 9, (lens,) * 9),)
+    replace(scripted, convention=Convention(cameras=cameras)).save(tmp_path / "slab.npz")
     seen = {}
     for renderer in ("own", "blender"):
         out = tmp_path / f"{renderer}.png"
         options = ["--frame", "3", "--size", "160x90", "--renderer", renderer, "--quiet"]
-        options += ["--shutter", "180", "--samples", "8"]
+        options += ["--shutter", "180", "--samples", "8", "--camera", camera]
         assert main(["render", str(tmp_path / "slab.npz"), "--out", str(out), *options]) == 0
         with Image.open(out) as image:
             colours = np.asarray(image.convert("RGB")).astype(int)

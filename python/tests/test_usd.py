@@ -164,6 +164,18 @@ def test_motion_is_in_a_layer_of_its_own(scripted: Recording, tmp_path: Path) ->
     assert UsdGeom.GetStageMetersPerUnit(alone) == 1.0
 
 
+def test_motion_without_its_surfaces_is_a_sentence(
+    scripted: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from frangible.cli import main
+
+    scripted.save(tmp_path / "slab.usdc")
+    (tmp_path / "slab.geometry.usdc").unlink()
+    assert main(["info", str(tmp_path / "slab.usdc")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("slab.usdc: needs the file ./slab.geometry.usdc beside it")
+
+
 def test_one_file_holds_all(scripted: Recording, tmp_path: Path) -> None:
     from frangible.cli import main
 

@@ -232,6 +232,9 @@ def describe_usd(path: str) -> dict[str, object] | None:
     with open_stage(path, CacheError) as stage:
         if written_as(stage) != RECORDING:
             return None
+        beside = stage.GetRootLayer().subLayerPaths
+        if len(stage.GetLayerStack(False)) <= len(beside):
+            raise CacheError(f"{path}: needs the file {', '.join(beside)} beside it")
         frames = stage.GetEndTimeCode() - stage.GetStartTimeCode()
         fps = stage.GetTimeCodesPerSecond()
         if not (frames >= 0 and float(frames).is_integer() and 0 < fps < math.inf):
