@@ -1,6 +1,5 @@
 """Alembic caches, read back by the library itself; Blender reads them in test_blender.py."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,7 @@ import pytest
 from frangible import Recording
 
 pytest.importorskip("alembic3d")
-from alembic3d import Abc, AbcGeom  # noqa: E402
+from alembic3d import Abc, AbcGeom
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from support import TOOLS
 from test_first_ten_minutes import ARCH
 
 pytest.importorskip("manifold3d")
-from frangible.io.convex_parts import convex_parts  # noqa: E402
+from frangible.io.convex_parts import convex_parts
 
 #: A Python that has mujoco.
 MUJOCO = os.environ.get("MUJOCO_PYTHON")

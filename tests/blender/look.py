@@ -35,7 +35,10 @@ def main(path: str, frames: int) -> None:
             if abs(matrix.to_3x3().determinant()) > NOTHING and not item.hide_render:
                 places[item.name] = list(matrix.translation)
         shown.append(places)
-    materials = {item.name: [slot.material and slot.material.name for slot in item.material_slots] for item in meshes}
+    materials = {
+        item.name: [slot.material and slot.material.name for slot in item.material_slots]
+        for item in meshes
+    }
     used = {item.name: len({face.material_index for face in item.data.polygons}) for item in meshes}
     answer = {
         "version": bpy.app.version_string,

@@ -60,8 +60,8 @@ def add_run(commands: Any) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for "
-        "its frames; may be repeated",
+        help=".html plays it; .usda, .usdc, .usdz, .glb, .abc, .npz, .png, a film .mp4 or .gif, or "
+        "folder/ for its frames; may be repeated",
     )
     add_inside(run, "inside, or the look's own")
     add_view(run)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
+from ..convention import Convention
 from ..errors import CacheError
 from ..names import by_source, unique_names
 from ..pieces import Pieces
@@ -41,42 +42,19 @@ def write_usd(
     With ``geometry``, surfaces and materials go into that file, which the stage has as a sublayer:
     what moves is in a small layer of its own. Bodies appear and vanish so much ``late`` [frames].
     """
-    # Sample times and units.
     stage = Usd.Stage.CreateNew(path) if geometry is None else Usd.Stage.CreateInMemory()
     motion = stage.GetRootLayer()
     convention = recording.convention
-    is_z_up = convention.up_axis == "z"
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if is_z_up else UsdGeom.Tokens.y)
-    UsdGeom.SetStageMetersPerUnit(stage, convention.metres)
-    stage.SetMetadata("kilogramsPerUnit", 1.0)
-    stage.SetTimeCodesPerSecond(recording.fps)
-    stage.SetFramesPerSecond(recording.fps)
-    stage.SetStartTimeCode(convention.first_frame)
-    stage.SetEndTimeCode(convention.first_frame + recording.frames)
-    mark(stage, RECORDING)
+    _say_conventions(stage, recording)
     bodies = with_visible_ground(recording).bodies
     families = by_source(bodies)
     root = root_name([family[0].name for family in families.values()])
     motion.defaultPrim = root
-    shapes = motion
-    if geometry is not None:
-        shapes = Sdf.Layer.CreateNew(geometry)
-        shapes.TransferContent(motion)
-        shapes.customLayerData = {}
-        motion.subLayerPaths.append(shapes.identifier)
-        stage.SetEditTarget(shapes)
-
-    # The root.
+    shapes = motion if geometry is None else _layer_below(stage, geometry)
     tree = PrimTree(stage, root)
-    top = UsdGeom.Xform.Get(stage, tree.root)
-    Usd.ModelAPI(top.GetPrim()).SetKind(Kind.Tokens.component)
+    top = _root(stage, tree.root, convention)
     materials = tree.child(tree.root, "Materials")
     UsdGeom.Scope.Define(stage, materials)
-    # What is below is in metres, y up.
-    if is_z_up:
-        top.AddRotateXOp().Set(90.0)
-    if convention.metres != 1.0:
-        top.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
 
     # One Xform for each source, with its pieces; their motion in its own layer.
     images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
@@ -106,6 +84,41 @@ def write_usd(
     named.TransferContent(motion)
     named.subLayerPaths[:] = [f"./{os.path.basename(whole_path(geometry))}"]
     _save(lambda: named.Export(path))
+
+
+def _say_conventions(stage: Any, recording: Recording) -> None:
+    """Axes, units and times."""
+    convention = recording.convention
+    is_z_up = convention.up_axis == "z"
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if is_z_up else UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, convention.metres)
+    stage.SetMetadata("kilogramsPerUnit", 1.0)
+    stage.SetTimeCodesPerSecond(recording.fps)
+    stage.SetFramesPerSecond(recording.fps)
+    stage.SetStartTimeCode(convention.first_frame)
+    stage.SetEndTimeCode(convention.first_frame + recording.frames)
+    mark(stage, RECORDING)
+
+
+def _layer_below(stage: Any, path: str) -> Any:
+    """A new layer that says of axes and units what the stage says; what is defined goes there."""
+    layer = Sdf.Layer.CreateNew(path)
+    layer.TransferContent(stage.GetRootLayer())
+    layer.customLayerData = {}
+    stage.GetRootLayer().subLayerPaths.append(layer.identifier)
+    stage.SetEditTarget(layer)
+    return layer
+
+
+def _root(stage: Any, path: str, convention: Convention) -> Any:
+    """The root prim; what is below is in metres, y up."""
+    top = UsdGeom.Xform.Get(stage, path)
+    Usd.ModelAPI(top.GetPrim()).SetKind(Kind.Tokens.component)
+    if convention.up_axis == "z":
+        top.AddRotateXOp().Set(90.0)
+    if convention.metres != 1.0:
+        top.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
+    return top
 
 
 def write_usdz(recording: Recording, path: str) -> None:

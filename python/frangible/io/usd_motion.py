@@ -52,11 +52,13 @@ def _with_ends(body: Body) -> tuple[int, Float64, Float64]:
         begin -= 1
         positions = np.concatenate([body.before[None, :3], positions])
         orientations = np.concatenate([body.before[None, 3:], orientations])
-    if body.death_frame is not None and len(positions) > 1:
-        if np.any(positions[-1] != positions[-2]) or np.any(orientations[-1] != orientations[-2]):
-            positions = np.concatenate([positions, 2.0 * positions[-1:] - positions[-2:-1]])
-            last, turn = orientations[-1], _between(orientations[-2], orientations[-1])
-            orientations = np.concatenate([orientations, product(turn, last)[None]])
+    moves = len(positions) > 1 and bool(
+        np.any(positions[-1] != positions[-2]) or np.any(orientations[-1] != orientations[-2])
+    )
+    if body.death_frame is not None and moves:
+        positions = np.concatenate([positions, 2.0 * positions[-1:] - positions[-2:-1]])
+        turn = _between(orientations[-2], orientations[-1])
+        orientations = np.concatenate([orientations, product(turn, orientations[-1])[None]])
     return begin, positions, without_sign_flips(orientations)
 
 
