@@ -62,7 +62,7 @@ def pieces(recording: Recording) -> int:
 
 def test_make_demo_makes_what_it_says(
     tmp_path: Path,
-    play: Callable[..., dict[str, Any]],
+    play: Callable[..., dict[str, Any]],  # noqa: F811
 ) -> None:
     # The target itself, with the package that is tested in place of the one that it builds.
     out = tmp_path / "out"
@@ -101,7 +101,7 @@ def test_the_strength_decides_whether_it_breaks(tmp_path: Path) -> None:
 @needs_chromium
 def test_a_browser_plays_a_scene_of_ones_own(
     tmp_path: Path, play: Callable[..., dict[str, Any]]
-) -> None:
+) -> None:  # noqa: F811
     recording = run_scene(tmp_path)
     shown = play(tmp_path / "out" / "arch.html", [24])
     assert shown["errors"] == [] and shown["requests"] == []
