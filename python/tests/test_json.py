@@ -98,6 +98,23 @@ def test_errors_are_json(
     assert sentence in found["error"]
 
 
+@pytest.mark.parametrize(
+    ("python", "sentence"),
+    [("", "needs Blender: `pip install bpy`"), ("/no/such", "/no/such: is no program")],
+)
+def test_a_renderer_that_is_not_there_is_an_error(
+    python: str, sentence: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("pxr")
+    monkeypatch.setenv("BLENDER_PYTHON", python)
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr("frangible.io.blender.find_spec", lambda _: None)
+    for out in ("a.png", "a.mp4", "a/"):
+        command = ["render", "no.npz", "--out", out, "--renderer", "blender", "--json"]
+        status, found = answer(command, capsys)
+        assert status == 2 and sentence in found["error"]
+
+
 @pytest.mark.parametrize("option", ["--frame", "--first", "--last"])
 def test_a_frame_that_is_not_there_is_an_error(
     option: str, scripted: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -53,7 +53,10 @@ class BlenderFilm:
 
 def missing_blender() -> str | None:
     """How to get Blender; `None` if it is there."""
-    if _command():
+    command = _command()
+    if command and shutil.which(command[0]) is None:
+        return f"BLENDER_PYTHON: {command[0]}: is no program"
+    if command:
         return None
     return (
         "needs Blender: `pip install bpy`, a `blender` on the PATH, or the environment variable "
@@ -98,6 +101,8 @@ def blender_pictures(film: BlenderFilm, frames: Sequence[int]) -> Generator[Pict
                 text=True,
                 errors="replace",
                 process_group=0,
+                # What it leaves behind goes away with the folder.
+                env={**os.environ, "TMPDIR": folder},
             )
         assert process.stdout is not None
         done = 0
