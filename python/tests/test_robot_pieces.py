@@ -103,6 +103,17 @@ def test_colliders_are_convex_and_cover_the_piece(folder: Path) -> None:
     assert max(counts) > 1
 
 
+def test_pieces_that_are_too_small_are_told_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = BOX.splitlines()
+    places = [line.replace("1", "0.005") for line in lines if line.startswith("v")]
+    (tmp_path / "small.obj").write_text("\n".join([*places, *lines[len(places) :]]) + "\n")
+    command = ["break", str(tmp_path / "small.obj"), "--pattern", "voronoi", "--pieces", "60"]
+    assert main([*command, "--out", str(tmp_path / "small.xml"), "--quiet"]) == 0
+    assert "kg m^2, which MuJoCo refuses; --smallest merges" in capsys.readouterr().err
+
+
 def test_a_folder_with_anything_else_stays(tmp_path: Path) -> None:
     (tmp_path / "a_meshes").mkdir()
     (tmp_path / "a_meshes" / "letter.txt").write_text("dear")

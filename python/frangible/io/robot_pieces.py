@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable
 from xml.etree import ElementTree
 
@@ -11,12 +12,17 @@ import numpy as np
 
 from ..pieces import Piece, Pieces
 from ..recording import Float64, UInt32
+from ..words import counted
 from .convex_parts import convex_parts
+from .reading import FileNote
 from .robot_files import mesh_folder
-from .whole import whole_file, whole_folder
+from .whole import whole_file, whole_folder, whole_path
 
 #: [m/s^2].
 _GRAVITY = 9.81
+
+#: MuJoCo 4.0 refuses bodies with a smaller principal inertia [kg m^2].
+LEAST_INERTIA = 1e-14
 
 Element = ElementTree.Element
 
@@ -36,6 +42,13 @@ def _write(
     density: float,
 ) -> None:  # fmt: skip
     folder = mesh_folder(path)
+    if small := sum(_is_too_small(piece, density) for piece in pieces.pieces):
+        warnings.warn(
+            f"{whole_path(path)}: {counted(small, 'piece')} with a principal inertia below "
+            f"{LEAST_INERTIA:g} kg m^2, which MuJoCo refuses; --smallest merges small ones",
+            FileNote,
+            stacklevel=2,
+        )
     with whole_folder(folder) as meshes, whole_file(path) as part:
         names = {piece.name: _write_meshes(piece, meshes) for piece in pieces.pieces}
         tree = build(pieces, names, os.path.basename(folder), density)
@@ -76,6 +89,10 @@ def _inertia(piece: Piece, density: float) -> dict[str, float]:
         for row in range(3)
         for column in range(row, 3)
     }
+
+
+def _is_too_small(piece: Piece, density: float) -> bool:
+    return float(np.linalg.eigvalsh(piece.unit_inertia)[0]) * density < LEAST_INERTIA
 
 
 def _mjcf(pieces: Pieces, parts: dict[str, list[str]], folder: str, density: float) -> Element:
