@@ -8,9 +8,11 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ..convention import Convention
 from ..io.drawing import View
 from ..io.output import Output, open_output
 from ..recording import Recording
+from ..render.camera import check_camera
 from ..render.shutter import Shutter
 from .options import EXIT_FAILED
 from .results import print_json
@@ -33,6 +35,11 @@ def open_outputs(options: argparse.Namespace) -> list[Output]:
         )
         outputs.append(open_output(path, options.frame, view))
     return outputs
+
+
+def check_view(options: argparse.Namespace, convention: Convention) -> None:
+    """`CameraError` if the camera is of a stage that has none."""
+    check_camera(options.camera, convention.cameras)
 
 
 def _progress(path: str) -> Callable[[int, int], None]:

@@ -8,9 +8,8 @@ from typing import Any
 
 from ..errors import OutputError
 from ..recording import Recording
-from ..render.camera import check_camera
 from .options import add_view, natural
-from .outputs import open_outputs, write
+from .outputs import check_view, open_outputs, write
 
 #: Endings of films; no ending is a folder of pictures.
 FILMS = (".gif", ".html", ".mp4")
@@ -63,7 +62,7 @@ def _film(options: argparse.Namespace) -> int:
         raise OutputError(f"--first: {options.first}, must be at most --last, {options.last}")
     outputs = open_outputs(options)
     recording = Recording.load(options.file)
-    check_camera(options.camera, recording.convention.cameras)
+    check_view(options, recording.convention)
     _check_frame("--first", options.first, recording)
     _check_frame("--last", options.last, recording)
     return write(outputs, recording, options.quiet, options.json)
@@ -72,7 +71,7 @@ def _film(options: argparse.Namespace) -> int:
 def _render(options: argparse.Namespace) -> int:
     outputs = open_outputs(options)
     recording = Recording.load(options.file)
-    check_camera(options.camera, recording.convention.cameras)
+    check_view(options, recording.convention)
     _check_frame("--frame", options.frame, recording)
     return write(outputs, recording, options.quiet, options.json)
 

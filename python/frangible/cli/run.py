@@ -18,7 +18,6 @@ from ..errors import OutputError
 from ..interrupts import stop_when_asked
 from ..progress import report_progress, report_stages
 from ..recording import Recorder, step_frames
-from ..render.camera import check_camera
 from ..report import StepReport
 from ..scene_lines import convention_of
 from ..scene_skins import scene_skins, volume_notes
@@ -33,7 +32,7 @@ from .options import (
     count,
     natural,
 )
-from .outputs import open_outputs, write
+from .outputs import check_view, open_outputs, write
 from .wishes import add_wishes, wished
 
 
@@ -78,8 +77,8 @@ def _run(options: argparse.Namespace) -> int:
     # Whatever can be wrong is found before anything is simulated.
     outputs = open_outputs(options)
     scene, frames, name = chosen_scene(options, wished(options))
-    check_camera(options.camera, convention_of(scene).cameras)
     frames = options.frames or frames
+    check_view(options, convention_of(scene))
     if options.frame is not None and options.frame > frames:
         raise OutputError(
             f"--frame: {options.frame}, must be at most the number of frames, {frames}"
