@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -43,11 +44,26 @@ def check_view(options: argparse.Namespace, convention: Convention) -> None:
 
 
 def _progress(path: str) -> Callable[[int, int], None]:
-    """Says for every tenth how much is drawn."""
+    """Says how much is drawn, and how long the rest takes: in a pipe a line for every tenth, on a
+    terminal one line that changes."""
+    begin: list[tuple[float, int]] = []
 
     def line(done: int, whole: int) -> None:
-        if done * 10 // whole > (done - 1) * 10 // whole:
-            print(f"drawing {path}: {100 * done // whole} %", file=sys.stderr, flush=True)
+        now = time.monotonic()
+        begin[:] = begin or [(now, done)]
+        is_terminal = sys.stderr.isatty()
+        parts = 100 if is_terminal else 10
+        if done * parts // whole == (done - 1) * parts // whole:
+            return
+        since, first = begin[0]
+        left = (now - since) / max(done - first, 1) * (whole - done)
+        said = f"drawing {path}: {100 * done // whole} %"
+        said += f", {left:.0f} s left" if done > first else ""
+        if is_terminal:
+            # The rest of a longer line before is wiped away.
+            print(f"\r{said}\x1b[K", end="\n" if done == whole else "", file=sys.stderr, flush=True)
+        else:
+            print(said, file=sys.stderr, flush=True)
 
     return line
 
