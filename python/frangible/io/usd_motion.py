@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pxr import Gf, Sdf, UsdGeom, Vt
 
-from ..recording import Body, Float64, product, without_sign_flips
+from ..recording import Body, Float64, product, rotation_matrix, without_sign_flips
 from .keyframes import telling_samples
 
 #: How long a body takes to appear and to vanish [frames].
@@ -152,14 +152,20 @@ def velocities(body: Body, fps: float) -> tuple[Float64, Float64]:
 
 
 def extent_of_all(bodies: list[Body]) -> Any:
-    """Two corners around all bodies in all frames, with room for any turn."""
+    """Two corners around all bodies in all frames, with room for any turn of those that turn."""
     lows, highs = [], []
     for body in bodies:
-        if len(body.vertices):
-            reach = float(np.linalg.norm(body.vertices, axis=1).max())
-            lows.append(body.positions.min(axis=0) - reach)
-            highs.append(body.positions.max(axis=0) + reach)
+        if not len(body.vertices):
+            continue
+        if np.any(body.orientations != body.orientations[0]):
+            reach = np.full(3, np.linalg.norm(body.vertices, axis=1).max())
+            low, high = -reach, reach
+        else:
+            turned = body.vertices @ rotation_matrix(body.orientations[0]).T
+            low, high = turned.min(axis=0), turned.max(axis=0)
+        lows.append(body.positions.min(axis=0) + low)
+        highs.append(body.positions.max(axis=0) + high)
     if not lows:
         return Vt.Vec3fArray([Gf.Vec3f(0.0), Gf.Vec3f(0.0)])
-    low, high = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
-    return Vt.Vec3fArray([Gf.Vec3f(*low), Gf.Vec3f(*high)])
+    least, most = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
+    return Vt.Vec3fArray([Gf.Vec3f(*least), Gf.Vec3f(*most)])
