@@ -83,16 +83,18 @@ test-web: web/node_modules/.package-lock.json $(PLAYGROUND) tests/tools/node_mod
 web: $(PLAYGROUND) ## Build the engine for browsers, and the page to break things in: web/dist/playground
 
 # Vectors are tested with the page; this takes minutes to compile, so `make test` leaves it out.
-test-wasm: ## Check that WebAssembly without vectors ends in the same states too
+test-wasm: $(PLAYGROUND) ## Check that WebAssembly without vectors ends in the same states too
 	$(MAKE) ENGINE=out/engine-without-vectors VECTORS=-simd128 out/engine-without-vectors/engine_bg.wasm
-	node web/test/same_bits.mjs out/engine-without-vectors
+	cd web && npm run bundle --silent && ENGINE=../../out/engine-without-vectors node --test test/engine.test.mjs
 
-test-blender: build $(BLENDER)/.installed ## Check our files in Blender, which takes 430 MB of its own
-	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python $(BIN)/pytest python/tests/test_blender.py python/tests/test_artists_day.py
+test-blender: build $(BLENDER)/.installed ## Check our files in Blender and MuJoCo, which take 500 MB of their own
+	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python MUJOCO_PYTHON=$(CURDIR)/$(BLENDER)/bin/python \
+	  $(BIN)/pytest python/tests/test_blender.py python/tests/test_robot_pieces.py \
+	  python/tests/test_artists_day.py
 
 $(BLENDER)/.installed:
 	$(PYTHON3_11) -m venv $(BLENDER)
-	$(BLENDER)/bin/python -m pip install --quiet bpy==5.0.1
+	$(BLENDER)/bin/python -m pip install --quiet bpy==5.0.1 mujoco==4.0.0
 	touch $@
 
 clean: ## Remove what the other targets made
@@ -105,7 +107,7 @@ $(VENV)/.tools: pyproject.toml
 	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
 	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "dev") \
+	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "completion", "alembic", "dev") \
 	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
 	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
 	touch $@

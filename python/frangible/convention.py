@@ -6,6 +6,11 @@ import json
 import math
 from dataclasses import asdict, dataclass
 
+from .stage_camera import StageCamera
+
+#: Of a cache whose stage has no camera, and of older ones.
+_OPTIONAL = {"cameras"}
+
 
 @dataclass(frozen=True, slots=True)
 class Convention:
@@ -17,18 +22,27 @@ class Convention:
     metres: float = 1.0
     #: The time code of the state before the first step.
     first_frame: float = 0.0
+    #: The stage's, the one first that it renders with.
+    cameras: tuple[StageCamera, ...] = ()
 
     def to_json(self) -> str:
         """For a cache."""
-        return json.dumps(asdict(self))
+        fields = asdict(self)
+        if not self.cameras:
+            del fields["cameras"]
+        return json.dumps(fields)
 
     @staticmethod
     def from_json(text: str) -> Convention:
         """`ValueError` for any other text."""
         found = json.loads(text)
-        if not isinstance(found, dict) or set(found) != set(Convention.__slots__):
+        known = set(Convention.__slots__)
+        if not isinstance(found, dict) or not known - _OPTIONAL <= set(found) <= known:
             raise ValueError("convention: must be an object with up_axis, metres and first_frame")
-        convention = Convention(**found)
+        cameras = found.pop("cameras", [])
+        if not isinstance(cameras, list):
+            raise ValueError("convention: cameras must be a list")
+        convention = Convention(**found, cameras=tuple(map(StageCamera.from_dict, cameras)))
         numbers = (convention.metres, convention.first_frame)
         if (
             convention.up_axis not in ("y", "z")

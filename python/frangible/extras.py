@@ -6,6 +6,8 @@ from importlib.util import find_spec
 
 #: Modules that each extra brings.
 _EXTRAS = {
+    "alembic": ("alembic3d", "imath"),
+    "completion": ("shtab",),
     "exact": ("manifold3d",),
     "film": ("embreex", "PIL", "imageio_ffmpeg"),
     "gltf": ("DracoPy",),

@@ -84,7 +84,8 @@ def test_a_run_tells_people_what_happened_and_writes_every_format(
     for path in outputs:
         assert path.stat().st_size > 0
         assert str(path) in captured.err
-    assert sorted(os.listdir(tmp_path)) == sorted(path.name for path in outputs)
+    shapes = ["wall.geometry.usda", "wall.geometry.usdc"]
+    assert sorted(os.listdir(tmp_path)) == sorted([*shapes, *(path.name for path in outputs)])
 
 
 def test_what_happened_is_said_in_a_few_words(

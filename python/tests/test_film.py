@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from frangible import OutputError, Recording
 from frangible.cli import main
-from frangible.io.output import View, open_output
+from frangible.io.drawing import View
+from frangible.io.output import open_output
 from frangible.render import film_processes
 from frangible.render.camera import frame_recording
 from frangible.render.film import _encode
@@ -178,5 +179,30 @@ def test_a_film_that_is_stopped_says_nothing_of_its_own(
         yield
 
     with pytest.raises(KeyboardInterrupt):
-        _encode(stopped(), str(tmp_path / "a.mp4"), ".mp4", 64, 64, 30.0)
+        _encode(stopped(), str(tmp_path / "a.mp4"), ".mp4", 30.0)
     assert capfd.readouterr().err == "" and not caplog.records
+
+
+def test_progress_says_how_long_the_rest_takes(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from frangible.cli import outputs
+
+    clock = iter(range(100))
+    monkeypatch.setattr(outputs.time, "monotonic", lambda: float(next(clock)))
+    tell = outputs._progress("a.mp4")
+    for done in range(1, 31):
+        tell(done, 30)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0] == "drawing a.mp4: 10 %, 27 s left"
+    assert lines[-1] == "drawing a.mp4: 100 %, 0 s left"
+    assert len(lines) == 10
+    # A picture may be done at once.
+    outputs._progress("a.png")(1, 1)
+    assert capsys.readouterr().err == "drawing a.png: 100 %\n"
+    # On a terminal one line changes.
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    for done in (10, 30):
+        tell(done, 30)
+    seen = capsys.readouterr().err
+    assert seen.count("\n") == 1 and seen.count("\r") == 2

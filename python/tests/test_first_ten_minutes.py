@@ -71,7 +71,8 @@ def test_make_demo_makes_what_it_says(
     own = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
     done = subprocess.run(command, cwd=ROOT, env=own, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
-    assert sorted(os.listdir(out)) == ["wall.glb", "wall.html", "wall.png", "wall.usdc"]
+    names = ["wall.geometry.usdc", "wall.glb", "wall.html", "wall.png", "wall.usdc"]
+    assert sorted(os.listdir(out)) == names
     assert done.stdout.splitlines()[-1].startswith(f"Open {out}/wall.html in a browser")
     assert f"wrote {out}/wall.html" in done.stderr
     if needs_chromium.args[0]:

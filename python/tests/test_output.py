@@ -27,6 +27,10 @@ def test_a_file_takes_its_name_only_when_it_is_whole(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["file.txt"]
 
 
+#: Of all files that a recording can be written as.
+ENDINGS = ".abc, .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc, .usdz"
+
+
 @pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt, SystemExit])
 def test_a_failed_write_leaves_what_was_there(failure: type[BaseException], tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
@@ -208,8 +212,8 @@ def test_old_pieces_stay_until_the_new_ones_are_there(
 @pytest.mark.parametrize(
     ("name", "rule"),
     [
-        ("wall.fbx", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc"),
-        ("wall", "must be one of .gif, .glb, .html, .mp4, .npz, .png, .usda, .usdc"),
+        ("wall.fbx", f"must be one of {ENDINGS}"),
+        ("wall", f"must be one of {ENDINGS}"),
         ("folder.glb", "must be a file"),
     ],
 )

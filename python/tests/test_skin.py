@@ -1,6 +1,7 @@
 """Materials, images, colours, normals and names of a mesh's file, in everything that is written."""
 
 import struct
+import zipfile
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -160,6 +161,19 @@ def test_a_recording_keeps_its_skins(scripted: Recording, tmp_path: Path) -> Non
     assert violations(stage) == []
     assert stage.GetPrimAtPath("/World/slab/House/Front_Door/slab")
     assert (tmp_path / "slab_textures" / "checks.png").read_bytes() == CHECKS
+
+
+def test_one_file_of_usd_holds_the_images(scripted: Recording, tmp_path: Path) -> None:
+    bodies = [
+        replace(body, skin=skin() if len(body.triangles) == 12 else None)
+        for body in scripted.bodies
+    ]
+    replace(scripted, bodies=bodies).save(tmp_path / "slab.usdz")
+    assert [path.name for path in tmp_path.iterdir()] == ["slab.usdz"]
+    with zipfile.ZipFile(tmp_path / "slab.usdz") as package:
+        assert package.namelist()[0] == "slab.usdc"
+        (image,) = (name for name in package.namelist() if name.endswith("checks.png"))
+        assert package.read(image) == CHECKS
 
 
 def test_a_cache_of_the_format_before_can_be_read(scripted: Recording, tmp_path: Path) -> None:

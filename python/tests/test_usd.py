@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from frangible import Recording
-from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
+from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation
 
 
 def violations(stage: Any) -> list[str]:
@@ -109,9 +109,82 @@ def test_what_does_not_move_has_no_samples(stage: Any) -> None:
         return list(stage.GetPrimAtPath(path).GetAttribute(attribute).GetTimeSamples())
 
     assert samples("/World/ground/ground", "xformOp:translate") == []
-    assert samples("/World/slab/slab", "xformOp:translate") == [0.0, 1.0, 2.0]
+    # What breaks goes on for a frame, and pieces come from where they were as a part of it.
+    assert samples("/World/slab/slab", "xformOp:translate") == [0.0, 1.0, 2.0, 3.0]
     assert samples("/World/slab/slab", "xformOp:orient") == []
-    assert samples("/World/slab/slab_2", "xformOp:orient") == [3.0, 4.0, 5.0, 6.0]
+    assert samples("/World/slab/slab_2", "xformOp:orient") == [2.0, 3.0, 4.0, 5.0, 6.0]
+
+
+def test_a_shutter_across_a_break_sees_everything_move(stage: Any, scripted: Recording) -> None:
+    def place(path: str, time: float) -> Any:
+        matrix = UsdGeom.Xformable(stage.GetPrimAtPath(path)).GetLocalTransformation(time)
+        return np.array(matrix.ExtractTranslation())
+
+    before = scripted.body(4).before
+    assert before is not None
+    assert place("/World/slab/slab_4", 2.0) == pytest.approx(before[:3])
+    slab = scripted.body(1).positions
+    assert place("/World/slab/slab", 3.0) == pytest.approx(2.0 * slab[-1] - slab[-2])
+
+
+def test_velocities_are_those_of_the_way_to_each_frame(stage: Any, scripted: Recording) -> None:
+    turning = stage.GetPrimAtPath("/World/slab/slab_2")
+    # A quarter of a turn in a frame, 24 frames a second; in degrees, as in UsdPhysics.
+    spin = turning.GetAttribute("physics:angularVelocity")
+    assert np.array(spin.Get(5.0)) == pytest.approx([0.0, 90.0 * 24, 0.0], rel=1e-5)
+    body = scripted.body(2)
+    velocity = turning.GetAttribute("physics:velocity")
+    for row in range(1, len(body.positions)):
+        expected = (body.positions[row] - body.positions[row - 1]) * scripted.fps
+        assert np.array(velocity.Get(3.0 + row)) == pytest.approx(expected, abs=1e-4)
+    # A cache is no scene: nothing simulates it when somebody presses play.
+    assert not turning.HasAPI(UsdPhysics.RigidBodyAPI)
+    assert not stage.GetPrimAtPath("/World/ground/ground").HasAttribute("physics:velocity")
+
+
+def test_the_hint_of_extents_holds_all_frames(stage: Any, scripted: Recording) -> None:
+    low, high = UsdGeom.ModelAPI(stage.GetDefaultPrim()).GetExtentsHintAttr().Get()
+    for frame in range(scripted.frames + 1):
+        for body in scripted.alive(frame):
+            places = body.vertices_world(frame)
+            assert np.all(places >= np.array(low) - 1e-4)
+            assert np.all(places <= np.array(high) + 1e-4)
+
+
+def test_motion_is_in_a_layer_of_its_own(scripted: Recording, tmp_path: Path) -> None:
+    scripted.save(tmp_path / "slab.usda")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["slab.geometry.usda", "slab.usda"]
+    motion, shapes = ((tmp_path / name).read_text() for name in ("slab.usda", "slab.geometry.usda"))
+    assert "points" not in motion and "faceVertex" not in motion and "Material" not in motion
+    assert "./slab.geometry.usda" in motion
+    assert "timeSamples" not in shapes and "xformOp" not in shapes
+    # Each opens alone, and says its unit and axes.
+    alone = Usd.Stage.Open(str(tmp_path / "slab.geometry.usda"))
+    assert alone.GetDefaultPrim().GetPath() == "/World"
+    assert UsdGeom.GetStageMetersPerUnit(alone) == 1.0
+
+
+def test_motion_without_its_surfaces_is_a_sentence(
+    scripted: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from frangible.cli import main
+
+    scripted.save(tmp_path / "slab.usdc")
+    (tmp_path / "slab.geometry.usdc").unlink()
+    assert main(["info", str(tmp_path / "slab.usdc")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("slab.usdc: needs the file ./slab.geometry.usdc beside it")
+
+
+def test_one_file_holds_all(scripted: Recording, tmp_path: Path) -> None:
+    from frangible.cli import main
+
+    scripted.save(tmp_path / "slab.usdz")
+    assert [path.name for path in tmp_path.iterdir()] == ["slab.usdz"]
+    stage = Usd.Stage.Open(str(tmp_path / "slab.usdz"))
+    assert sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse()) == len(scripted.bodies)
+    assert violations(stage) == []
+    assert main(["info", str(tmp_path / "slab.usdz")]) == 0
 
 
 def test_cracks_have_a_material_of_their_own(stage: Any) -> None:

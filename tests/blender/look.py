@@ -16,6 +16,10 @@ def main(path: str, frames: int) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if path.endswith(".glb"):
         bpy.ops.import_scene.gltf(filepath=path)
+    elif path.endswith(".abc"):
+        # Alembic counts seconds, too.
+        bpy.context.scene.render.fps = 24
+        bpy.ops.wm.alembic_import(filepath=path)
     else:
         bpy.ops.wm.usd_import(filepath=path)
     scene = bpy.context.scene
@@ -31,7 +35,10 @@ def main(path: str, frames: int) -> None:
             if abs(matrix.to_3x3().determinant()) > NOTHING and not item.hide_render:
                 places[item.name] = list(matrix.translation)
         shown.append(places)
-    materials = {item.name: [slot.material and slot.material.name for slot in item.material_slots] for item in meshes}
+    materials = {
+        item.name: [slot.material and slot.material.name for slot in item.material_slots]
+        for item in meshes
+    }
     used = {item.name: len({face.material_index for face in item.data.polygons}) for item in meshes}
     answer = {
         "version": bpy.app.version_string,

@@ -8,6 +8,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NoReturn
 
 from .. import _frangible
@@ -19,10 +20,19 @@ from ..io.reading import FileNote
 from ..render.camera import CameraError
 from .bench import add_bench
 from .breaking import add_break
+from .completion import add_completion
 from .files import add_info, add_plot, add_shots
-from .options import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_INTERRUPTED, EXIT_PIPE_CLOSED, Parser
+from .options import (
+    EXIT_BAD_INPUT,
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_PIPE_CLOSED,
+    BadArguments,
+    Parser,
+)
 from .pattern import add_pattern
-from .render import add_render
+from .render import add_film, add_render
+from .results import add_json, error_as_json, wants_json
 from .run import add_run
 from .scene import add_scene, add_schema
 from .verify import add_verify
@@ -34,12 +44,14 @@ COMMANDS = (
     add_bench,
     add_break,
     add_plot,
+    add_film,
     add_render,
     add_verify,
     add_pattern,
     add_shots,
     add_info,
     add_schema,
+    add_completion,
 )
 
 
@@ -65,10 +77,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     warnings.simplefilter("always", FileNote)
     warnings.showwarning = _tell_note
     whole = parser()
-    options, unknown = whole.parse_known_args(arguments)
-    if unknown:
-        # The command's own usage, and the nearest of its own options.
-        getattr(options, "parser", whole).error(f"unrecognized arguments: {' '.join(unknown)}")
+    try:
+        options = _read(whole, arguments)
+    except BadArguments as error:
+        given = list(sys.argv[1:] if arguments is None else arguments)
+        sys.exit(_failed(str(error), EXIT_BAD_INPUT, wants_json(given)))
     if not hasattr(options, "command"):
         whole.print_help()
         return 0
@@ -79,27 +92,44 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return status
     except (
         _frangible.BuildError,
+        BadArguments,
         BenchError,
         CacheError,
         CameraError,
         ClaimError,
         OutputError,
     ) as error:
-        print(f"frangible: {error}", file=sys.stderr)
-        return EXIT_BAD_INPUT
+        # A sentence about arguments begins with the command.
+        sentence = str(error) if isinstance(error, BadArguments) else f"frangible: {error}"
+        return _failed(sentence, EXIT_BAD_INPUT, options.json)
     except BrokenPipeError:
         # The reader of our output has seen enough; the interpreter must not try to flush the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_PIPE_CLOSED
     except OSError as error:
         # The disk is full, or the folder went away during the run.
-        print(
-            f"frangible: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr
-        )
-        return EXIT_FAILED
+        sentence = f"frangible: {error.filename or 'output'}: {error.strerror or error}"
+        return _failed(sentence, EXIT_FAILED, options.json)
     except KeyboardInterrupt:
-        print("frangible: interrupted", file=sys.stderr)
-        return EXIT_INTERRUPTED
+        return _failed("frangible: interrupted", EXIT_INTERRUPTED, options.json)
+
+
+def _read(whole: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
+    """The options; `BadArguments` in one sentence."""
+    options, unknown = whole.parse_known_args(arguments)
+    if unknown:
+        # The command's own usage, and the nearest of its own options.
+        getattr(options, "parser", whole).error(f"unrecognized arguments: {' '.join(unknown)}")
+    return options
+
+
+def _failed(sentence: str, status: int, as_json: bool) -> int:
+    """The sentence on stderr, and as JSON on stdout if somebody asked for it."""
+    print(sentence, file=sys.stderr)
+    if as_json:
+        with suppress(BrokenPipeError):
+            error_as_json(sentence, status)
+    return status
 
 
 def _tell_note(message: Warning | str, *_: object, **__: object) -> None:
@@ -115,5 +145,6 @@ def parser() -> argparse.ArgumentParser:
     for add in COMMANDS:
         add(commands)
     for command in commands.choices.values():
-        command.set_defaults(parser=command)
+        add_json(command)
+        command.set_defaults(parser=command, whole=whole)
     return whole

@@ -21,9 +21,19 @@ from ..breaking.piece_count import MOST_PIECES
 from ..errors import OutputError
 from ..io.mesh_files import readable_mesh
 from ..io.pieces_output import open_pieces_output
+from ..io.robot_files import DEFAULT_DENSITY
 from ..pieces import describe_pieces
 from ..progress import report_stages
-from .options import add_inside, add_pose_time, add_thickness, check_pieces, count, finite, natural
+from .options import (
+    add_inside,
+    add_pose_time,
+    add_thickness,
+    check_pieces,
+    count,
+    finite,
+    natural,
+    positive,
+)
 
 
 def add_break(commands: Any) -> None:
@@ -99,11 +109,18 @@ def add_break(commands: Any) -> None:
     add_thickness(breaker)
     add_pose_time(breaker)
     breaker.add_argument(
+        "--density",
+        type=positive,
+        default=DEFAULT_DENSITY,
+        metavar="KG/M3",
+        help="of the pieces of an .xml or .urdf [%(default)g]",
+    )
+    breaker.add_argument(
         "--out",
         required=True,
         metavar="FILE|FOLDER",
-        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; volumes, centres and "
-        "neighbours go beside it as .json",
+        help=".glb, .gltf, .usda, .usdc, .usd, .obj, or a folder of .obj; MJCF .xml or .urdf for "
+        "other simulators; volumes, centres and neighbours go beside it as .json",
     )
     breaker.add_argument("--quiet", action="store_true", help="no progress and no list of files")
     breaker.add_argument("--json", action="store_true", help="end with one line of JSON on stdout")
@@ -115,7 +132,7 @@ def _is_one_file(path: str, other: str) -> bool:
 
 def _break(options: argparse.Namespace) -> None:
     check_pieces(options.pieces, options.cells)
-    output = open_pieces_output(options.out)
+    output = open_pieces_output(options.out, options.density)
     for written in (output.path, output.report):
         for source in (options.mesh, options.pattern):
             if _is_one_file(written, source):

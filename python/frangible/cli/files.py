@@ -55,7 +55,7 @@ def add_info(commands: Any) -> None:
 
 def _plot(options: argparse.Namespace) -> int:
     outputs = [open_plot(path) for path in options.out]
-    return write(outputs, Recording.load(options.file))
+    return write(outputs, Recording.load(options.file), as_json=options.json)
 
 
 def _shots(options: argparse.Namespace) -> None:

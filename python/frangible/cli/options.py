@@ -6,12 +6,13 @@ import argparse
 import math
 import re
 import signal
-import sys
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
 from .. import _frangible
 from ..breaking.piece_count import LEAST_PIECES, MOST_PIECES
+from ..io.drawing import FILM_SIZE, PICTURE_SIZE, RENDERERS, View
+from ..render.shutter import Shutter
 from ..scenes import Scene, find_scene
 from ..words import did_you_mean
 
@@ -27,12 +28,15 @@ EXIT_INTERRUPTED = 128 + signal.SIGINT
 EXIT_PIPE_CLOSED = 128 + signal.SIGPIPE
 
 
+class BadArguments(Exception):
+    """Arguments that cannot be read, in one sentence."""
+
+
 class Parser(argparse.ArgumentParser):
     """Answers bad arguments with one sentence, which asks for the nearest word that it knows."""
 
     def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}{self._rule(message)}", file=sys.stderr)
-        sys.exit(EXIT_BAD_INPUT)
+        raise BadArguments(f"{self.prog}: {message}{self._rule(message)}")
 
     def _rule(self, message: str) -> str:
         """The form of an option without its values, or of all arguments, or the nearest word."""
@@ -232,15 +236,44 @@ def size(text: str) -> tuple[int, int]:
 
 def add_view(command: argparse.ArgumentParser) -> None:
     """Add the options of pictures and films."""
-    command.add_argument(
+    group = command.add_argument_group("of pictures and films")
+    group.add_argument(
         "--camera",
         default="fit",
-        metavar="fit|FILE",
-        help="where pictures and films are taken from; FILE: docs/films.md [fit]",
+        metavar="fit|stage|FILE",
+        help="where they are taken from: fitted to all frames; the camera of the USD stage that "
+        "the scene came from, or stage:PATH; FILE: docs/films.md [fit]",
     )
-    command.add_argument(
+    group.add_argument(
         "--size",
         type=size,
         metavar="WxH",
-        help="of pictures and films [1280x720, films 960x540]",
+        help=f"[{'x'.join(map(str, PICTURE_SIZE))}, films {'x'.join(map(str, FILM_SIZE))}]",
     )
+    group.add_argument(
+        "--shutter",
+        type=_degrees,
+        default=0.0,
+        metavar="DEGREES",
+        help="motion blur: light of so much of a frame, of 360 [0]",
+    )
+    group.add_argument(
+        "--samples",
+        type=natural(4096, 1),
+        metavar="N",
+        help=f"times at which the shutter looks [{Shutter().samples}]; of Blender, rays of a pixel "
+        f"[{View().rays}]",
+    )
+    group.add_argument(
+        "--renderer",
+        choices=RENDERERS,
+        default=RENDERERS[0],
+        help="blender: finer and slower, where it is installed [own]",
+    )
+
+
+def _degrees(text: str) -> float:
+    value = finite(text)
+    if not 0.0 <= value <= 360.0:
+        raise argparse.ArgumentTypeError(f"{text!r}, must be from 0 to 360 degrees")
+    return value

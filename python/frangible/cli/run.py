@@ -30,7 +30,7 @@ from .options import (
     count,
     natural,
 )
-from .outputs import open_outputs, write
+from .outputs import check_view, open_outputs, write
 from .wishes import add_wishes, wished
 
 
@@ -57,8 +57,8 @@ def add_run(commands: Any) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help=".html plays it; .usda, .usdc, .glb, .npz, .png, a film .mp4 or .gif, or folder/ for "
-        "its frames; may be repeated",
+        help=".html plays it; .usda, .usdc, .usdz, .glb, .abc, .npz, .png, a film .mp4 or .gif, or "
+        "folder/ for its frames; may be repeated",
     )
     add_inside(run, "inside, or the look's own")
     add_view(run)
@@ -83,6 +83,7 @@ def _run(options: argparse.Namespace) -> int:
         raise OutputError("--resume: must come with the --out of the run that it goes on with")
     scene, frames, name = chosen_scene(options, wished(options))
     frames = options.frames or frames
+    check_view(options, convention_of(scene))
     if options.frame is not None and options.frame > frames:
         raise OutputError(
             f"--frame: {options.frame}, must be at most the number of frames, {frames}"

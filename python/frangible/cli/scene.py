@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from typing import Any
 
 from ..io.toml_text import as_toml
@@ -11,6 +12,7 @@ from ..scene_file import save_scene
 from ..scene_schema import scene_schema
 from ..scenes import as_json
 from .options import add_scene_options, chosen_scene
+from .results import print_json
 from .scene_module import scene_module
 from .scene_page import scene_page
 from .wishes import add_wishes, wished
@@ -25,15 +27,20 @@ def add_scene(commands: Any) -> None:
     add_wishes(scene)
     form = scene.add_mutually_exclusive_group()
     form.add_argument("--toml", action="store_true", help="print TOML, not JSON")
+    scene.add_argument("--json", action="store_true", help="JSON, also with --out")
     form.add_argument(
         "--out", metavar="FILE", help="write it as .json, .toml, .usda, .usdc or .usd instead"
     )
 
 
 def _scene(options: argparse.Namespace) -> None:
+    if options.toml and options.json:
+        options.parser.error("argument --toml: not allowed with argument --json")
     scene, *_ = chosen_scene(options, wished(options))
     if options.out is not None:
         save_scene(scene, options.out)
+        if options.json:
+            print_json({"outputs": [{"path": options.out, "bytes": os.path.getsize(options.out)}]})
         return
     print(as_toml(scene), end="") if options.toml else print(as_json(scene))
 
@@ -46,6 +53,7 @@ def add_schema(commands: Any) -> None:
     schema.set_defaults(command=_schema)
     form = schema.add_mutually_exclusive_group()
     form.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
+    form.add_argument("--json", action="store_true", help="the schema, as without any option")
     form.add_argument("--python", action="store_true", help="frangible/scene_types.py")
 
 

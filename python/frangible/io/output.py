@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 from ..errors import OutputError
 from ..extras import missing_packages
 from ..recording import Recording
-from .whole import whole_file, whole_folder
+from ..render.camera import check_camera
+from .drawing import View, check_renderer, drawn
+from .whole import whole_file, whole_folder, whole_path
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +49,22 @@ def _write_npz(recording: Recording, path: str, frame: int | None) -> None:
 
 
 def _write_usd(recording: Recording, path: str, frame: int | None) -> None:
-    from .usd import write_usd
+    from .usd import geometry_path, write_usd
 
-    write_usd(recording, path)
+    with whole_file(geometry_path(whole_path(path))) as geometry:
+        write_usd(recording, path, geometry)
+
+
+def _write_usdz(recording: Recording, path: str, frame: int | None) -> None:
+    from .usd import write_usdz
+
+    write_usdz(recording, path)
+
+
+def _write_abc(recording: Recording, path: str, frame: int | None) -> None:
+    from .alembic import write_abc
+
+    write_abc(recording, path)
 
 
 def _write_glb(recording: Recording, path: str, frame: int | None) -> None:
@@ -64,38 +79,6 @@ def _write_html(recording: Recording, path: str, frame: int | None) -> None:
     write_html(recording, path)
 
 
-@dataclass(frozen=True, slots=True)
-class View:
-    """How pictures and films are taken."""
-
-    #: ``fit``, or the file of a camera.
-    camera: str = "fit"
-    #: Width and height [pixels]; `None` for what a picture or a film has by default.
-    size: tuple[int, int] | None = None
-    #: Called with how much is drawn, and of how much.
-    progress: Callable[[int, int], None] | None = None
-
-
-def _drawn(ending: str, view: View) -> Callable[[Recording, str, int | None], None]:
-    """Writes a picture, or with any other ending a film."""
-
-    def write(recording: Recording, path: str, frame: int | None) -> None:
-        if ending == ".png":
-            from ..render.camera import camera_for
-            from ..render.picture import HEIGHT, WIDTH, write_png
-
-            size = view.size or (WIDTH, HEIGHT)
-            camera = camera_for(recording, view.camera, size[0] / size[1])
-            shown = recording.frames if frame is None else frame
-            write_png(recording, path, shown, camera, size, view.progress)
-        else:
-            from ..render.film import write_film
-
-            write_film(recording, path, ending, view.camera, view.size, view.progress)
-
-    return write
-
-
 def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
     from ..render.plot import write_plot
 
@@ -103,14 +86,16 @@ def _write_plot(recording: Recording, path: str, frame: int | None) -> None:
 
 
 _FORMATS = {
+    ".abc": _Format(_write_abc, "alembic"),
     ".glb": _Format(_write_glb),
-    ".gif": _Format(_drawn(".gif", View()), "film"),
+    ".gif": _Format(drawn(".gif", View()), "film"),
     ".html": _Format(_write_html),
-    ".mp4": _Format(_drawn(".mp4", View()), "film"),
+    ".mp4": _Format(drawn(".mp4", View()), "film"),
     ".npz": _Format(_write_npz),
-    ".png": _Format(_drawn(".png", View()), "render"),
+    ".png": _Format(drawn(".png", View()), "render"),
     ".usda": _Format(_write_usd, "usd"),
     ".usdc": _Format(_write_usd, "usd"),
+    ".usdz": _Format(_write_usdz, "usd"),
 }
 
 #: Endings that are drawn from a camera.
@@ -124,16 +109,15 @@ def open_output(path: str, frame: int | None = None, view: View | None = None) -
 
     A path that ends in a slash is a folder, which a film's frames fill.
     """
-    if view is not None and view.camera != "fit":
-        from ..render.camera import read_camera
-
-        read_camera(view.camera)
+    if view is not None:
+        check_camera(view.camera)
     if path.endswith("/"):
         return _open_folder(path.rstrip("/") or "/", view or View())
     output = _open(path, _FORMATS, frame)
     ending = os.path.splitext(path)[1].lower()
     if view is not None and ending in DRAWN:
-        output = replace(output, writer=_drawn(ending, view))
+        check_renderer(view, path)
+        output = replace(output, writer=drawn(ending, view))
     return output
 
 
@@ -147,7 +131,8 @@ def _open_folder(path: str, view: View) -> Output:
                 raise OutputError(f"{path}: holds {name!r}, must be new, or hold frames alone")
     if hint := missing_packages("render"):
         raise OutputError(f"{path}: {hint}")
-    return Output(path, _drawn("", view), None, is_folder=True)
+    check_renderer(view, path)
+    return Output(path, drawn("", view), None, is_folder=True)
 
 
 def open_plot(path: str) -> Output:

@@ -7,14 +7,25 @@ import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from ..errors import OutputError
 from ..pieces import Pieces
 from .output import check_destination, check_folder
+from .robot_files import DEFAULT_DENSITY, check_mesh_folder
 from .whole import whole_file, whole_folder
 
 #: The extra of the installation that each ending needs.
-_EXTRAS = {".glb": None, ".gltf": None, ".obj": None, ".usd": "usd", ".usda": "usd", ".usdc": "usd"}
+_EXTRAS = {
+    ".glb": None,
+    ".gltf": None,
+    ".obj": None,
+    ".urdf": "exact",
+    ".usd": "usd",
+    ".usda": "usd",
+    ".usdc": "usd",
+    ".xml": "exact",
+}
 #: Contents of a folder of ours.
 _OURS = re.compile(r"piece_\d{3,}\.obj|materials\.mtl|pieces\.json|textures")
 
@@ -40,12 +51,18 @@ class PiecesOutput:
             raise OSError(error.errno, error.strerror or str(error), self.path) from error
 
 
-def open_pieces_output(path: str) -> PiecesOutput:
-    """Check that pieces can be written there, before anything is broken; `OutputError` if not."""
+def open_pieces_output(path: str, density: float = DEFAULT_DENSITY) -> PiecesOutput:
+    """Check that pieces can be written there, before anything is broken; `OutputError` if not.
+
+    The density is that of files for other simulators [kg/m^3].
+    """
     stem, ending = os.path.splitext(path)
     if ending == "" or path.endswith(os.sep) or os.path.isdir(path):
         return _open_folder(path)
     ending = check_destination(path, _EXTRAS, "or a folder, which ends in /")
+    if ending in (".urdf", ".xml"):
+        check_mesh_folder(path)
+        return PiecesOutput(path, partial(_write_robot, density=density), stem + ".json")
     return PiecesOutput(
         path,
         {".obj": _write_obj, ".glb": _write_glb, ".gltf": _write_glb}.get(ending, _write_usd),
@@ -73,7 +90,7 @@ def _open_folder(path: str) -> PiecesOutput:
     elif os.path.exists(path):
         raise OutputError(
             f"{path}: is a file without a known ending, must be a folder or end in .glb, .gltf, "
-            ".obj, .usd, .usda or .usdc"
+            ".obj, .urdf, .usd, .usda, .usdc or .xml"
         )
     else:
         check_folder(path, above)
@@ -92,6 +109,13 @@ def _write_usd(pieces: Pieces, path: str) -> None:
 
     with whole_file(path) as part:
         write_pieces(pieces, part)
+
+
+def _write_robot(pieces: Pieces, path: str, density: float) -> None:
+    from .robot_pieces import write_mjcf, write_urdf
+
+    write = write_urdf if path.lower().endswith(".urdf") else write_mjcf
+    write(pieces, path, density)
 
 
 def _write_obj(pieces: Pieces, path: str) -> None:

@@ -6,11 +6,14 @@ from __future__ import annotations
 import errno
 import math
 import os
+import tempfile
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
 
+from ..convention import Convention
 from ..errors import CacheError
 from ..names import by_source, unique_names
 from ..pieces import Pieces
@@ -19,24 +22,72 @@ from ..render.ground import with_visible_ground
 from ..render.normals import corner_normals, shaded_mesh
 from ..render.palette import Palette
 from .image_folder import ImageFolder
-from .keyframes import telling_samples
+from .usd_cameras import write_camera
 from .usd_materials import add_material
-from .usd_tree import PrimTree, root_name
+from .usd_motion import Timing, extent_of_all, write_life, write_motion, write_velocities
 from .usd_stage import mark, open_stage, written_as
+from .usd_tree import PrimTree, root_name
 from .whole import whole_path
 
-#: How long a body takes to appear and to vanish [frames].
-STEP = 1.0 / 64.0
 #: The marker of a stage that a recording was written as.
 RECORDING = "recording"
 
 
-def write_usd(recording: Recording, path: str) -> None:
-    """Write ``.usda`` or ``.usdc``; time codes are frames, lengths metres, masses kilograms, y is
-    up."""
-    # Sample times and units.
-    stage = Usd.Stage.CreateNew(path)
+def write_usd(
+    recording: Recording, path: str, geometry: str | None = None, late: float = 0.0
+) -> None:
+    """Write ``.usda`` or ``.usdc``; time codes are frames, masses kilograms; units and axes are the
+    recording's convention.
+
+    With ``geometry``, surfaces and materials go into that file, which the stage has as a sublayer:
+    what moves is in a small layer of its own. Bodies appear and vanish so much ``late`` [frames].
+    """
+    stage = Usd.Stage.CreateNew(path) if geometry is None else Usd.Stage.CreateInMemory()
+    motion = stage.GetRootLayer()
+    convention = recording.convention
+    _say_conventions(stage, recording)
+    bodies = with_visible_ground(recording).bodies
+    families = by_source(bodies)
+    root = root_name([family[0].name for family in families.values()])
+    motion.defaultPrim = root
+    shapes = motion if geometry is None else _layer_below(stage, geometry)
+    tree = PrimTree(stage, root)
+    top = _root(stage, tree.root, convention)
+    materials = tree.child(tree.root, "Materials")
+    UsdGeom.Scope.Define(stage, materials)
+
+    # One Xform for each source, with its pieces; their motion in its own layer.
     images = ImageFolder(f"{os.path.splitext(whole_path(path))[0]}_textures")
+    palette = Palette(
+        families,
+        lambda name, material: add_material(stage, f"{materials}/{name}", material, images),
+    )
+    timing = Timing(convention.first_frame, recording.fps, late)
+    for family in families.values():
+        source = tree.source(family[0].name)
+        for body in family:
+            mesh = _mesh(stage, tree.body(source, body, family[0].name), body, palette)
+            with Usd.EditContext(stage, motion):
+                write_motion(mesh, body, timing)
+                write_life(mesh, body, timing)
+                write_velocities(mesh, body, timing)
+    with Usd.EditContext(stage, motion):
+        UsdGeom.ModelAPI.Apply(top.GetPrim()).SetExtentsHint(extent_of_all(bodies))
+        for camera in convention.cameras:
+            write_camera(stage, tree.camera(camera.name), camera, convention, recording.fps)
+    if geometry is None:
+        _save(motion.Save)
+        return
+    _save(shapes.Save)
+    # The files take their names when both are whole.
+    named = Sdf.Layer.CreateAnonymous()
+    named.TransferContent(motion)
+    named.subLayerPaths[:] = [f"./{os.path.basename(whole_path(geometry))}"]
+    _save(lambda: named.Export(path))
+
+
+def _say_conventions(stage: Any, recording: Recording) -> None:
+    """Axes, units and times."""
     convention = recording.convention
     is_z_up = convention.up_axis == "z"
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z if is_z_up else UsdGeom.Tokens.y)
@@ -48,32 +99,41 @@ def write_usd(recording: Recording, path: str) -> None:
     stage.SetEndTimeCode(convention.first_frame + recording.frames)
     mark(stage, RECORDING)
 
-    # The root.
-    families = by_source(with_visible_ground(recording).bodies)
-    tree = PrimTree(stage, root_name([family[0].name for family in families.values()]))
-    root = UsdGeom.Xform.Get(stage, tree.root)
-    Usd.ModelAPI(root.GetPrim()).SetKind(Kind.Tokens.component)
-    stage.SetDefaultPrim(root.GetPrim())
-    materials = tree.child(tree.root, "Materials")
-    UsdGeom.Scope.Define(stage, materials)
-    # What is below is in metres, y up.
-    if is_z_up:
-        root.AddRotateXOp().Set(90.0)
-    if convention.metres != 1.0:
-        root.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
 
-    # One Xform for each source, with its pieces.
-    palette = Palette(
-        families,
-        lambda name, material: add_material(stage, f"{materials}/{name}", material, images),
-    )
-    for family in families.values():
-        source = tree.source(family[0].name)
-        for body in family:
-            mesh = _mesh(stage, tree.body(source, body, family[0].name), body, palette)
-            _motion(mesh, body, convention.first_frame)
-            _life(mesh, body, convention.first_frame)
-    _save(stage)
+def _layer_below(stage: Any, path: str) -> Any:
+    """A new layer that says of axes and units what the stage says; what is defined goes there."""
+    layer = Sdf.Layer.CreateNew(path)
+    layer.TransferContent(stage.GetRootLayer())
+    layer.customLayerData = {}
+    stage.GetRootLayer().subLayerPaths.append(layer.identifier)
+    stage.SetEditTarget(layer)
+    return layer
+
+
+def _root(stage: Any, path: str, convention: Convention) -> Any:
+    """The root prim; what is below is in metres, y up."""
+    top = UsdGeom.Xform.Get(stage, path)
+    Usd.ModelAPI(top.GetPrim()).SetKind(Kind.Tokens.component)
+    if convention.up_axis == "z":
+        top.AddRotateXOp().Set(90.0)
+    if convention.metres != 1.0:
+        top.AddScaleOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(1.0 / convention.metres))
+    return top
+
+
+def write_usdz(recording: Recording, path: str) -> None:
+    """The same as one file, with its images in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        stem = os.path.splitext(os.path.basename(whole_path(path)))[0]
+        stage = os.path.join(folder, f"{stem}.usdc")
+        write_usd(recording, stage)
+        _save(lambda: UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(stage), path))
+
+
+def geometry_path(path: str) -> str:
+    """Where the surfaces of a stage at a path are."""
+    stem, ending = os.path.splitext(path)
+    return f"{stem}.geometry{ending}"
 
 
 def write_pieces(pieces: Pieces, path: str) -> None:
@@ -95,17 +155,17 @@ def write_pieces(pieces: Pieces, path: str) -> None:
     )
     tree = PrimTree(stage, name, ["Materials"])
     for body in bodies:
-        _motion(_mesh(stage, tree.body(tree.root, body, ""), body, palette), body)
-    _save(stage)
+        write_motion(_mesh(stage, tree.body(tree.root, body, ""), body, palette), body, Timing())
+    _save(stage.GetRootLayer().Save)
 
 
-def _save(stage: Any) -> None:
+def _save(write: Callable[[], bool | None]) -> None:
+    reason = "the USD library could not write all of it; is the disk full?"
     try:
-        stage.GetRootLayer().Save()
+        if write() is False:
+            raise OSError(errno.EIO, reason)
     except Tf.ErrorException as error:
-        raise OSError(
-            errno.EIO, "the USD library could not write all of it; is the disk full?"
-        ) from error
+        raise OSError(errno.EIO, reason) from error
 
 
 def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
@@ -179,56 +239,15 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
     return mesh
 
 
-def _motion(mesh: Any, body: Body, first_frame: float = 0.0) -> None:
-    frames = first_frame + body.birth_frame + np.arange(len(body.positions))
-
-    # Samples only while the body lives, and none that interpolation gives anyway.
-    translate = mesh.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble)
-    positions = [Gf.Vec3d(*position) for position in body.positions.tolist()]
-    _set_samples(translate.GetAttr(), frames, positions, telling_samples(body.positions))
-    orient = mesh.AddOrientOp(UsdGeom.XformOp.PrecisionFloat)
-    orientations = [Gf.Quatf(w, x, y, z) for x, y, z, w in body.orientations.tolist()]
-    _set_samples(orient.GetAttr(), frames, orientations, telling_samples(body.orientations))
-
-
-def _set_samples(attribute: Any, frames: Any, values: list[Any], rows: Any) -> None:
-    if len(rows) == 1:
-        attribute.Set(values[0])
-        return
-    # Thousands of paths are long: write to the layer itself, without a notice for every sample.
-    layer, path = attribute.GetStage().GetRootLayer(), attribute.GetPath()
-    with Sdf.ChangeBlock():
-        for row in rows.tolist():
-            layer.SetTimeSample(path, float(frames[row]), values[row])
-
-
-def _life(mesh: Any, body: Body, first_frame: float) -> None:
-    """Show a body while it lives; not everything that reads USD heeds a visibility that changes."""
-    if body.birth_frame == 0 and body.death_frame is None:
-        return
-    visibility = mesh.CreateVisibilityAttr()
-    scale = mesh.AddScaleOp(UsdGeom.XformOp.PrecisionFloat)
-    nothing, whole = Gf.Vec3f(0.0), Gf.Vec3f(1.0)
-    birth = first_frame + body.birth_frame
-    death = None if body.death_frame is None else first_frame + body.death_frame
-    if body.birth_frame > 0:
-        visibility.Set(UsdGeom.Tokens.invisible, 0.0)
-        # Scales between two samples are interpolated: each change is a steep one.
-        scale.Set(nothing, birth - STEP)
-    visibility.Set(UsdGeom.Tokens.inherited, birth)
-    scale.Set(whole, birth)
-    if death is not None:
-        visibility.Set(UsdGeom.Tokens.invisible, death)
-        scale.Set(whole, death - STEP)
-        scale.Set(nothing, death)
-
-
 def describe_usd(path: str) -> dict[str, object] | None:
     """Frames, frame rate and bodies of a recording of ours; `None` for any other stage,
     `CacheError` if it is damaged."""
     with open_stage(path, CacheError) as stage:
         if written_as(stage) != RECORDING:
             return None
+        beside = stage.GetRootLayer().subLayerPaths
+        if len(stage.GetLayerStack(False)) <= len(beside):
+            raise CacheError(f"{path}: needs the file {', '.join(beside)} beside it")
         frames = stage.GetEndTimeCode() - stage.GetStartTimeCode()
         fps = stage.GetTimeCodesPerSecond()
         if not (frames >= 0 and float(frames).is_integer() and 0 < fps < math.inf):

@@ -17,13 +17,14 @@ from ..recording import Float64
 from ..scene_lines import PrimSkin
 from .reading import FileNote, file_fault
 from .usd_bodies import StageBody, find_bodies
+from .usd_cameras import stage_cameras
 from .usd_colliders import Fit, fit
 from .usd_compound import Hulls, body_shape
 from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of, voxels_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
-from .usd_mass import Units, density, name_what_is_computed, physics_material
 from .usd_looks import has_look
+from .usd_mass import Units, density, name_what_is_computed, physics_material
 from .usd_mesh import missing_files
 from .usd_notes import Notes
 from .usd_others import name_others
@@ -101,7 +102,12 @@ def _convention(path: str, stage: Any) -> Convention:
     frame = metres_from_stage(path, stage)
     start = float(stage.GetStartTimeCode()) if stage.HasAuthoredTimeCodeRange() else 0.0
     up = "y" if frame[1, 1] > 0.0 else "z"
-    return Convention(up, float(np.linalg.norm(frame[0])), start if math.isfinite(start) else 0.0)
+    return Convention(
+        up,
+        float(np.linalg.norm(frame[0])),
+        start if math.isfinite(start) else 0.0,
+        stage_cameras(stage, affine(frame.T, np.zeros(3))),
+    )
 
 
 def import_stage(path: str, stage: Any) -> tuple[dict[str, Any], list[Any]]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pxr import UsdGeom
 
-from ..names import unique_names
+from ..names import Names, unique_names
 from ..recording import Body
 
 #: The root of what has no other one.
@@ -34,15 +34,13 @@ class PrimTree:
     def __init__(self, stage: Any, root: str, taken: Iterable[str] = ()) -> None:
         self._stage = stage
         self.root = f"/{root}"
-        self._taken: dict[str, list[str]] = {self.root: list(taken)}
+        self._names = {self.root: Names(taken)}
         self._branches: dict[tuple[str, tuple[str, ...]], str] = {}
         UsdGeom.Xform.Define(stage, self.root)
 
     def child(self, parent: str, name: str) -> str:
         """A path below another that nothing has yet, with that name or one like it."""
-        *_, own = unique_names([*self._taken.setdefault(parent, []), name])
-        self._taken[parent].append(own)
-        return f"{parent}/{own}"
+        return f"{parent}/{self._names.setdefault(parent, Names()).own(name)}"
 
     def source(self, name: str) -> str:
         """The Xform of a body of the scene: at the path that its name is, as far as it is free."""
@@ -75,6 +73,13 @@ class PrimTree:
         if name.startswith("/"):
             own = own.rpartition("/")[2]
         return self.child(self.branch(source, path), own)
+
+    def camera(self, name: str) -> str:
+        """Where a camera goes: at the path that its name is, as far as it is free."""
+        steps = _steps(name)
+        if len(steps) > 1 and f"/{steps[0]}" == self.root:
+            steps = steps[1:]
+        return self.child(self.branch(self.root, tuple(steps[:-1])), steps[-1])
 
     def _xform(self, path: str) -> str:
         UsdGeom.Xform.Define(self._stage, path)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..recording import Float64, Recording
+from ..recording import Float64, Recording, rotation_matrix
+from ..stage_camera import StageCamera
 from .framing import Subject, find_subject
 
 #: Vertical opening of the lens [degrees]: a short telephoto, which keeps uprights upright.
@@ -25,6 +26,8 @@ THIN = 0.8
 MARGIN = 1.08
 #: Places that are checked for whether something hides them, about.
 HIDEABLE = 60
+#: The choice of the camera of the stage that a scene came from.
+STAGE = "stage"
 #: A file about a camera that is larger than this holds something else [bytes].
 LARGEST_FILE = 1 << 16
 
@@ -45,6 +48,12 @@ class Camera:
     half_height: float
     #: (3,) middle of what it looks at [m].
     target: Float64
+    #: Of a camera that moves, the one at its first frame: lamp and haze are placed by it.
+    first: Camera | None = None
+
+    def at(self, time: float) -> Camera:
+        """Of a time [frames]: it stands still."""
+        return self
 
     @staticmethod
     def look_at(
@@ -169,15 +178,78 @@ def _hidden(subject: Subject, camera: Camera) -> float:
     return float(blocked.any(axis=1).mean())
 
 
-def camera_for(recording: Recording, choice: str, aspect: float) -> Camera:
-    """The camera of ``--camera``: ``fit`` frames the recording, all else is a file's name."""
-    return frame_recording(recording, aspect) if choice == "fit" else read_camera(choice)
+@dataclass(frozen=True, slots=True)
+class MovingCamera:
+    """A camera of a stage in a picture ``aspect`` times as wide as high, which sees at least what
+    its lens shows."""
+
+    camera: StageCamera
+    #: Of the recording.
+    fps: float
+    aspect: float
+    #: (3,) middle of what the recording shows [m].
+    target: Float64
+
+    def at(self, time: float) -> Camera:
+        """Of a time [frames]; before its first row and after its last one it stands still."""
+        first = self._row(0.0)
+        place = time / self.fps * self.camera.fps
+        return self._row(min(max(place, 0.0), len(self.camera.eyes) - 1.0), first)
+
+    def _row(self, place: float, first: Camera | None = None) -> Camera:
+        low = int(place)
+        high = min(low + 1, len(self.camera.eyes) - 1)
+        share = place - low
+        eye, turn, lens = (
+            (1.0 - share) * np.array(rows[low]) + share * np.array(rows[high])
+            for rows in (self.camera.eyes, self.camera.orientations, self.camera.lenses)
+        )
+        # Rows are close: their quaternions' mean turns as their great circle does.
+        right, up, back = rotation_matrix(turn / np.linalg.norm(turn)).T
+        half_height = max(float(lens[1]), float(lens[0]) / self.aspect)
+        return Camera(eye, np.array([right, up, -back]), half_height, self.target, first)
+
+
+def camera_for(recording: Recording, choice: str, aspect: float) -> Camera | MovingCamera:
+    """The camera of ``--camera``: ``fit`` frames the recording, ``stage`` and ``stage:PATH`` are of
+    the stage that it came from, and all else is a file's name."""
+    if choice == "fit":
+        return frame_recording(recording, aspect)
+    if choice == STAGE or choice.startswith(f"{STAGE}:"):
+        camera = _of_stage(recording.convention.cameras, choice)
+        middle = find_subject(recording).boxes.around().centres[0]
+        return MovingCamera(camera, recording.fps, aspect, middle)
+    return read_camera(choice)
+
+
+def check_camera(choice: str, cameras: tuple[StageCamera, ...] | None = None) -> None:
+    """`CameraError` if a choice of ``--camera`` is wrong whatever it looks at, or, given the
+    cameras of the stage, names none of them."""
+    if choice == STAGE or choice.startswith(f"{STAGE}:"):
+        if cameras is not None:
+            _of_stage(cameras, choice)
+    elif choice != "fit":
+        read_camera(choice)
+
+
+def _of_stage(cameras: tuple[StageCamera, ...], choice: str) -> StageCamera:
+    path = choice.removeprefix(STAGE).removeprefix(":")
+    if not cameras:
+        raise CameraError(
+            f"--camera: {choice}, must be fit or a .json file: the scene comes from no USD stage "
+            "that has a camera with a perspective"
+        )
+    for camera in cameras:
+        if path in ("", camera.name):
+            return camera
+    known = ", ".join(f"{STAGE}:{camera.name}" for camera in cameras)
+    raise CameraError(f"--camera: {choice}, must be one of {known}")
 
 
 def read_camera(path: str) -> Camera:
     """Read a camera from JSON (docs/films.md); `CameraError` names file, field, value and rule."""
     if not os.path.isfile(path):
-        raise CameraError(f"{path}: no such file; --camera takes 'fit' or a .json file")
+        raise CameraError(f"{path}: no such file; --camera takes 'fit', 'stage' or a .json file")
     try:
         with open(path, encoding="utf-8") as file:
             text = file.read(LARGEST_FILE + 1)

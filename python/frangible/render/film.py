@@ -5,16 +5,13 @@ from __future__ import annotations
 import logging
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
-
-from ..recording import Recording
-from .camera import camera_for
-from .film_processes import Film, film_pictures
 
 #: [pixels]; half of a picture's, so that a film takes minutes.
 WIDTH, HEIGHT = 960, 540
@@ -28,53 +25,48 @@ PALETTE = "split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=
 #: Called with the number of frames drawn, and of all.
 FilmProgress = Callable[[int, int], None]
 Picture = npt.NDArray[np.uint8]
+#: Draws frames, in order.
+Draw = Callable[[Sequence[int]], Generator[Picture, None, None]]
 
 
 def write_film(
-    recording: Recording,
     path: str,
     ending: str,
-    camera: str = "fit",
-    size: tuple[int, int] | None = None,
+    fps: float,
+    frames: range,
+    draw: Draw,
     progress: FilmProgress | None = None,
 ) -> None:
-    """Write a film, ``.mp4`` or ``.gif``, or with no ending a folder of frame_0000.png and so
-    on."""
-    width, height = size or (WIDTH, HEIGHT)
-    stride = max(1, math.ceil(recording.fps / MOST_FPS[ending]))
-    shown = range(0, recording.frames + 1, stride)
-    pictures = _pictures(recording, shown, camera, width, height, progress)
+    """Write a film of some frames, ``.mp4`` or ``.gif``, or with no ending a folder of
+    frame_0000.png and so on."""
+    stride = max(1, math.ceil(fps / MOST_FPS[ending]))
+    shown = frames[::stride]
+    pictures = _told(draw(shown), len(shown), progress)
     if not ending:
         os.makedirs(path, exist_ok=True)
-        digits = max(4, len(str(recording.frames)))
+        digits = max(4, len(str(frames[-1])))
         for frame, image in zip(shown, pictures, strict=True):
             name = os.path.join(path, f"frame_{frame:0{digits}}.png")
             Image.fromarray(image).save(name, format="PNG")
         return
-    _encode(pictures, path, ending, width, height, recording.fps / stride)
+    _encode(pictures, path, ending, fps / stride)
 
 
-def _pictures(
-    recording: Recording,
-    shown: range,
-    camera: str,
-    width: int,
-    height: int,
-    progress: FilmProgress | None,
+def _told(
+    drawn: Generator[Picture, None, None], count: int, progress: FilmProgress | None
 ) -> Iterator[Picture]:
-    film = Film(recording, camera_for(recording, camera, width / height), width, height)
-    with closing(film_pictures(film, shown)) as pictures:
+    with closing(drawn) as pictures:
         for done, image in enumerate(pictures):
             yield image
             if progress is not None:
-                progress(done + 1, len(shown))
+                progress(done + 1, count)
 
 
-def _encode(
-    pictures: Iterator[Picture], path: str, ending: str, width: int, height: int, fps: float
-) -> None:
+def _encode(pictures: Iterator[Picture], path: str, ending: str, fps: float) -> None:
     from imageio_ffmpeg import write_frames
 
+    first = next(pictures)
+    height, width = first.shape[:2]
     # It has a line of its own for a film that somebody stops.
     logging.getLogger("imageio_ffmpeg").setLevel(logging.CRITICAL)
     # The format that other programs play: even sizes and 4:2:0.
@@ -90,7 +82,7 @@ def _encode(
     )
     film.send(None)
     try:
-        for image in pictures:
+        for image in chain([first], pictures):
             film.send(np.ascontiguousarray(image))
     finally:
         film.close()

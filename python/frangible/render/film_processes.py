@@ -19,9 +19,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..recording import Recording
-from .camera import Camera
+from .camera import Camera, MovingCamera
 from .picture import picture
-from .stage import gather_surfaces
+from .shutter import CLOSED, Shutter
+from .stage import Surfaces, gather_surfaces
 
 Picture = npt.NDArray[np.uint8]
 
@@ -43,9 +44,10 @@ class Film:
     """Facts that all frames of a film share."""
 
     recording: Recording
-    camera: Camera
+    camera: Camera | MovingCamera
     width: int
     height: int
+    shutter: Shutter = CLOSED
 
 
 def film_pictures(film: Film, frames: Sequence[int]) -> Generator[Picture, None, None]:
@@ -54,7 +56,7 @@ def film_pictures(film: Film, frames: Sequence[int]) -> Generator[Picture, None,
     if count < 2:
         surfaces = gather_surfaces(film.recording)
         for frame in frames:
-            yield picture(film.recording, frame, film.width, film.height, film.camera, surfaces)
+            yield draw_frame(film, frame, surfaces)
         return
 
     with ExitStack() as stack:
@@ -82,6 +84,20 @@ def film_pictures(film: Film, frames: Sequence[int]) -> Generator[Picture, None,
                 yield _shaped(waiting.popleft().result(), film)
         while waiting:
             yield _shaped(waiting.popleft().result(), film)
+
+
+def draw_frame(film: Film, frame: int, surfaces: Surfaces, threads: int | None = None) -> Picture:
+    """The picture (height, width, 3) of one frame."""
+    return picture(
+        film.recording,
+        frame,
+        film.width,
+        film.height,
+        film.camera,
+        surfaces,
+        threads=threads,
+        shutter=film.shutter,
+    )
 
 
 def _shaped(pixels: bytes, film: Film) -> Picture:
@@ -158,8 +174,6 @@ def draw_frames() -> None:
     surfaces = gather_surfaces(film.recording)
     # Each process has a processor.
     for line in sys.stdin.buffer:
-        drawn = picture(
-            film.recording, int(line), film.width, film.height, film.camera, surfaces, threads=1
-        )
+        drawn = draw_frame(film, int(line), surfaces, threads=1)
         sys.stdout.buffer.write(drawn.tobytes())
         sys.stdout.buffer.flush()

@@ -6,13 +6,14 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
 from ..recording import Float32, Recording
-from .camera import Camera, frame_recording
+from .camera import Camera, MovingCamera, frame_recording
 from .light import (
     LAMP_RAYS,
     MORE_LAMP_RAYS,
@@ -24,7 +25,8 @@ from .light import (
     gather_light,
     share_light,
 )
-from .shading import ON_GLASS, backdrop, glass, shade, tone
+from .shading import ON_GLASS, backdrop, decoded, encoded, glass, shade, tone
+from .shutter import CLOSED, Shutter, moves_between
 from .stage import Int32, Stage, Surfaces, build_stage, gather_surfaces
 from .tracing import Hits, dot, trace, where_lit
 
@@ -42,6 +44,9 @@ CHUNK = 30_000
 #: Which of 16 rays each pixel of a tile asks: neighbours ask what is far apart.
 TILES = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]])
 
+#: Places within a pixel step down by so much of it from sample to sample.
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
+
 #: Called with how much of a picture is done, and of how much.
 PictureProgress = Callable[[int, int], None]
 
@@ -50,12 +55,13 @@ def write_png(
     recording: Recording,
     path: str,
     frame: int,
-    camera: Camera | None = None,
+    camera: Camera | MovingCamera | None = None,
     size: tuple[int, int] = (WIDTH, HEIGHT),
     progress: PictureProgress | None = None,
+    shutter: Shutter = CLOSED,
 ) -> None:
     """Write a picture of a frame."""
-    image = picture(recording, frame, *size, camera, progress=progress)
+    image = picture(recording, frame, *size, camera, progress=progress, shutter=shutter)
     Image.fromarray(image).save(path, format="PNG")
 
 
@@ -64,10 +70,11 @@ def picture(
     frame: int,
     width: int = WIDTH,
     height: int = HEIGHT,
-    camera: Camera | None = None,
+    camera: Camera | MovingCamera | None = None,
     surfaces: Surfaces | None = None,
     progress: PictureProgress | None = None,
     threads: int | None = None,
+    shutter: Shutter = CLOSED,
 ) -> npt.NDArray[np.uint8]:
     """A picture of a frame, (height, width, 3), sRGB, drawn by threads, as many as processors.
 
@@ -75,24 +82,68 @@ def picture(
     """
     camera = camera or frame_recording(recording, width / height)
     surfaces = surfaces or gather_surfaces(recording, frame)
-    stage = build_stage(recording, surfaces, frame, camera)
-    canvas = _Canvas.of(stage, camera, width, height)
-
+    times = shutter.times(frame)
+    if len(times) > 1 and _is_still(surfaces, camera, frame, times[-1]):
+        times = [float(frame)]
+    steps = 0
     # Bands of rows are independent of each other and of the number of threads.
-    bands = [(top, min(top + BAND, height)) for top in range(0, height, BAND)]
-    done = 0
+    whole = (3 if len(times) == 1 else 2 * len(times)) * len(_bands(height))
+
+    def tick(count: int) -> None:
+        nonlocal steps
+        steps += count
+        if progress is not None:
+            progress(min(steps, whole), whole)
+
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
-        for part in (_see, _light_up):
-            for _ in pool.map(lambda band, part=part: part(canvas, *band), bands):
-                done += 1
-                if progress is not None:
-                    progress(done, 3 * len(bands))
-        edges = _edges(canvas)
-        chunks = np.array_split(edges, max(1, -(-len(edges) * len(PLACES) // CHUNK)))
-        for index, _ in enumerate(pool.map(lambda chunk: _smooth(canvas, chunk), chunks)):
-            if progress is not None:
-                progress(done + len(bands) * (index + 1) // len(chunks), 3 * len(bands))
-    return np.round(255.0 * canvas.colours).astype(np.uint8).reshape(height, width, 3)
+        if len(times) == 1:
+            stage = build_stage(recording, surfaces, frame, camera.at(frame))
+            canvas = _Canvas.of(stage, camera.at(frame), width, height)
+            _draw(canvas, pool, tick)
+            _smooth_edges(canvas, pool, tick)
+            return _pixels(canvas.colours, width, height)
+
+        # Each time has its own place within the pixels, so edges are smooth, too.
+        light = np.zeros((width * height, 3), np.float64)
+        for index, time in enumerate(times):
+            stage = build_stage(recording, surfaces, frame, camera.at(time), time)
+            canvas = _Canvas.of(stage, camera.at(time), width, height, index, len(times))
+            _draw(canvas, pool, tick)
+            light += decoded(canvas.colours)
+        return _pixels(encoded(light / len(times)), width, height)
+
+
+def _is_still(
+    surfaces: Surfaces, camera: Camera | MovingCamera, frame: int, earliest: float
+) -> bool:
+    """True if nothing moves between a time and a frame."""
+    then, now = camera.at(earliest), camera.at(frame)
+    if np.any(then.eye != now.eye) or np.any(then.axes != now.axes):
+        return False
+    living = (body for body in surfaces.bodies if body.alive(frame))
+    return not any(moves_between(body, earliest, frame) for body in living)
+
+
+def _bands(height: int) -> list[tuple[int, int]]:
+    return [(top, min(top + BAND, height)) for top in range(0, height, BAND)]
+
+
+def _draw(canvas: _Canvas, pool: ThreadPoolExecutor, tick: Callable[[int], None]) -> None:
+    for part in (_see, _light_up):
+        for _ in pool.map(lambda band, part=part: part(canvas, *band), _bands(canvas.height)):
+            tick(1)
+
+
+def _smooth_edges(canvas: _Canvas, pool: ThreadPoolExecutor, tick: Callable[[int], None]) -> None:
+    edges = _edges(canvas)
+    bands = len(_bands(canvas.height))
+    chunks = np.array_split(edges, max(1, -(-len(edges) * len(PLACES) // CHUNK)))
+    for index, _ in enumerate(pool.map(lambda chunk: _smooth(canvas, chunk), chunks)):
+        tick(bands * (index + 1) // len(chunks) - bands * index // len(chunks))
+
+
+def _pixels(colours: npt.NDArray[Any], width: int, height: int) -> npt.NDArray[np.uint8]:
+    return np.round(255.0 * colours).astype(np.uint8).reshape(height, width, 3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,17 +172,27 @@ class _Canvas:
     shared: Float32
     #: sRGB, from 0 to 1.
     colours: Float32
+    #: Where within a pixel rays pass, from 0 to 1, and how far the tile of rays is shifted.
+    place: tuple[float, float]
+    shift: int
 
     @staticmethod
-    def of(stage: Stage, camera: Camera, width: int, height: int) -> _Canvas:
+    def of(
+        stage: Stage, camera: Camera, width: int, height: int, sample: int = 0, samples: int = 1
+    ) -> _Canvas:
+        """A picture, or one of several samples of it."""
+
         def blank(*shape: int) -> Float32:
             return np.zeros((width * height, *shape), np.float32)
 
         whole = np.full(width * height, -1, np.int32)
         pixel = 2.0 * camera.half_height / height
+        # Evenly across, and down by the golden ratio.
+        place = ((sample + 0.5) / samples, (0.5 + sample * GOLDEN) % 1.0)
         return _Canvas(
             stage, camera, width, height, pixel, blank(3), blank(3), whole, whole.copy(),
             blank(3), blank(3), blank(2), blank(), blank(3), blank(3), blank(3),
+            place, 7 * sample,
         )  # fmt: skip
 
     def rays(self, pixels: Int32, across: float, down: float) -> tuple[Float32, Float32]:
@@ -216,7 +277,7 @@ def _see(canvas: _Canvas, top: int, bottom: int) -> None:
     stage, width = canvas.stage, canvas.width
     begin = top * width
     pixels = np.arange(begin, bottom * width, dtype=np.int32)
-    seen = _follow(stage, *canvas.rays(pixels, 0.5, 0.5))
+    seen = _follow(stage, *canvas.rays(pixels, *canvas.place))
     behind = seen.behind
     band = slice(begin, bottom * width)
     canvas.front[band], canvas.left[band], canvas.depth[band] = seen.front, seen.left, seen.depth
@@ -228,7 +289,7 @@ def _see(canvas: _Canvas, top: int, bottom: int) -> None:
         behind.normals,
         behind.weights,
     )
-    slots = TILES[at // width % TILE, at % width % TILE]
+    slots = (TILES[at // width % TILE, at % width % TILE] + canvas.shift) % 16
     canvas.light[at] = gather_light(stage, points, behind.normals, slots, SKY_RAYS, LAMP_RAYS)
 
 
@@ -258,7 +319,7 @@ def _light_up(canvas: _Canvas, top: int, bottom: int) -> None:
         at, canvas.triangle[at], canvas.depth[at], canvas.points[at],
         canvas.normals[at], canvas.normals[at], canvas.weights[at],
     )  # fmt: skip
-    directions = canvas.rays(at, 0.5, 0.5)[1]
+    directions = canvas.rays(at, *canvas.place)[1]
     own = shade(canvas.stage, hits, directions, hits.depth, light[at - top * width], canvas.pixel)
     radiance[at - top * width] += canvas.left[at] * own
     canvas.colours[top * width : bottom * width] = tone(radiance)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 
 from ..recording import Float32
 from .light import LAMP_COLOUR, Light, colour_of_lamp, colour_of_sky
@@ -119,7 +122,20 @@ def tone(radiance: Float32) -> Float32:
     """The film curve of Narkowicz (2015), then the sRGB encoding."""
     x = np.maximum(radiance, 0.0) * np.float32(EXPOSURE)
     film = np.clip(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0)
-    encoded: Float32 = np.where(
-        film <= 0.0031308, 12.92 * film, 1.055 * np.power(film, np.float32(1.0 / 2.4)) - 0.055
+    return encoded(film)
+
+
+def encoded(light: npt.NDArray[Any]) -> Float32:
+    """sRGB of light from 0 to 1."""
+    values: Float32 = np.where(
+        light <= 0.0031308, 12.92 * light, 1.055 * np.power(light, np.float32(1.0 / 2.4)) - 0.055
     )
-    return encoded
+    return values
+
+
+def decoded(values: Float32) -> Float32:
+    """Light from 0 to 1 of sRGB."""
+    light: Float32 = np.where(
+        values <= 0.04045, values / 12.92, np.power((values + 0.055) / 1.055, np.float32(2.4))
+    )
+    return light

@@ -18,6 +18,7 @@ from .ground import is_half_space
 from .images import Pictures
 from .normals import smooth_normals
 from .palette import plain, source_colours, tint
+from .shutter import pose_between
 from .textures import longest_first
 
 Int32 = npt.NDArray[np.int32]
@@ -179,9 +180,17 @@ class Stage:
         return len(self.shown)
 
 
-def build_stage(recording: Recording, surfaces: Surfaces, frame: int, camera: Camera) -> Stage:
-    """Where everything is at a frame."""
-    distance = float(np.linalg.norm(camera.target - camera.eye))
+def build_stage(
+    recording: Recording,
+    surfaces: Surfaces,
+    frame: int,
+    camera: Camera,
+    time: float | None = None,
+) -> Stage:
+    """Where everything is that a frame shows: then, or at another time up to a frame before
+    [frames]."""
+    lit_by = camera.first or camera
+    distance = float(np.linalg.norm(lit_by.target - lit_by.eye))
     spacing = float(10.0 ** max(np.ceil(np.log10(distance / 30.0)), -6.0))
     living = [i for i, body in enumerate(surfaces.bodies) if body.alive(frame)]
     first = surfaces.first
@@ -190,10 +199,9 @@ def build_stage(recording: Recording, surfaces: Surfaces, frame: int, camera: Ca
         [np.zeros(0, np.int64), *(np.arange(first[i], first[i + 1]) for i in living)]
     )
     bodies = [surfaces.bodies[i] for i in living]
-    centres = np.array([body.pose(frame)[0] for body in bodies]).reshape(-1, 3) - camera.target
-    rotations = np.array([rotation_matrix(body.pose(frame)[1]) for body in bodies]).reshape(
-        -1, 3, 3
-    )
+    poses = [pose_between(body, frame if time is None else time) for body in bodies]
+    centres = np.array([position for position, _ in poses]).reshape(-1, 3) - camera.target
+    rotations = np.array([rotation_matrix(turn) for _, turn in poses]).reshape(-1, 3, 3)
 
     # Place every triangle.
     body = np.repeat(np.arange(len(bodies)), counts)
@@ -236,7 +244,7 @@ def build_stage(recording: Recording, surfaces: Surfaces, frame: int, camera: Ca
             [surfaces.axes[living] @ rotations.swapaxes(1, 2), np.tile(np.eye(3), (more, 1, 1))]
         ),
         distance=distance,
-        lamp=_lamp(camera),
+        lamp=lamp_direction(lit_by),
         looks={
             look: np.array([one.look == look for one in bodies] + [False] * more, np.bool_)
             for look in ("wood", "concrete")
@@ -254,8 +262,8 @@ def _scene(soup: Float32) -> Any:
     return scene
 
 
-def _lamp(camera: Camera) -> Float32:
-    """The lamp keeps its place beside the camera."""
+def lamp_direction(camera: Camera) -> Float32:
+    """(3,) unit, towards the lamp, which keeps its place beside the camera."""
     right = np.cross(camera.axes[2], [0.0, 1.0, 0.0])
     length = np.linalg.norm(right)
     right = right / length if length > 1e-6 else camera.axes[0]
