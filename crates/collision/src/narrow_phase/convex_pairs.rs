@@ -19,7 +19,7 @@ pub(crate) fn exact_points(
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
     let ball = |ball_is_first: bool, radius: f64, other: ConvexShape| {
-        BallContact { pair_motion, ball_is_first, radius, other }.point()
+        BallContact { pair_motion, ball_is_first, radius, other, is_core: false }.point()
     };
     match convex_shapes {
         [ConvexShape::Mesh(mesh), other] => {

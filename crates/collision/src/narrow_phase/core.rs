@@ -51,7 +51,8 @@ pub(crate) fn core_points(
         if radius <= 0.0 {
             continue;
         }
-        let core = BallContact { pair_motion, ball_is_first: side == 0, radius, other };
+        let core =
+            BallContact { pair_motion, ball_is_first: side == 0, radius, other, is_core: true };
         let point = core
             .point()
             .filter(|point| point.gap <= pair_motion.near + pair_motion.ahead * point.approach);

@@ -142,7 +142,7 @@ impl<'a> Approach<'a> {
         if self.gets_deeper(&touch, &paths, scratch) {
             return touch;
         }
-        // The instant with the last change of the normal of any point, and its points.
+        // The instant with the last change of the normal, and its points.
         let of_touch = std::mem::take(&mut scratch.points);
         let (mut meeting, mut points) = (touch, of_touch.clone());
         let (mut time, mut normal, mut gap) = (touch.time, touch.normal(), touch.contact.gap);
@@ -154,10 +154,7 @@ impl<'a> Approach<'a> {
                 break;
             }
             (normal, gap) = (later.normal(), later.contact.gap);
-            let is_other = |point: &HullPoint| {
-                normal.dot(meeting.world_from_first.direction(point.normal)) < SAME_NORMAL
-            };
-            if points.iter().any(is_other) {
+            if normal.dot(meeting.normal()) < SAME_NORMAL {
                 meeting = later;
                 points.clone_from(&scratch.points);
             }
