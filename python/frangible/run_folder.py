@@ -134,6 +134,7 @@ class RunFolder(KeptFrames):
         self.close()
         shutil.rmtree(self.path, ignore_errors=True)
 
+
 def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
     """A folder to go on with, and the snapshot of its world; `None` if it has no checkpoint yet.
 
@@ -160,5 +161,3 @@ def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
     if known.steps != kept.fields["frame"]:
         raise CacheError(f"{journal}: is damaged before frame {kept.fields['frame']}")
     return RunFolder(path, Journal(journal, length), known), kept.arrays["world"].tobytes()
-
-
