@@ -10,6 +10,7 @@ export default defineConfig({
     outDir: "dist/playground",
     emptyOutDir: true,
     assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 1000,
     rolldownOptions: { input: "playground.html" },
   },
   worker: { format: "es" },

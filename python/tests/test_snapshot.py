@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 import pytest
 from frangible import BuildError, World
 from frangible._frangible import shot_scene
@@ -37,6 +41,103 @@ def test_restored_worlds_go_on_to_the_same_bits(shot: str) -> None:
             snapshot = world.snapshot()
             assert other.snapshot() == snapshot
             other = World.restore(snapshot)
+
+
+def test_worlds_that_are_directed_go_on_to_the_same_bits() -> None:
+    """Bodies that wait, are glued on a grid, follow a path, are weak somewhere, break in part, and
+    come in later."""
+    positions, triangles = ring()
+    weak = [{"point": [-0.6, 0, 0], "factor": 0.5}, {"point": [0.6, 0, 0], "factor": 2.0}]
+    cells = {"kind": "voronoi", "cells": 20}
+    bodies = [
+        {"shape": {"kind": "half-space"}, "motion": "static"},
+        {
+            "name": "ring",
+            "shape": {
+                "kind": "triangles",
+                "positions": positions,
+                "triangles": triangles,
+                "resolution": {"voxels": [32, 32, 12]},
+            },
+            "position": [0, 0.8, 0],
+            "bonds": {
+                "pattern": cells,
+                "tensile_strength": 1e5,
+                "shear_strength": 1e5,
+                "strength_points": weak,
+            },
+        },
+        {
+            "name": "wall",
+            "shape": {"kind": "box", "size": [1.5, 1.5, 0.3]},
+            "position": [3, 0.75, 0],
+            "starts": {"when": "struck"},
+            "breaking": {
+                "strength": 500.0,
+                "pattern": cells,
+                "reach": 0.4,
+                "twist": 0.3,
+                "generations": 2,
+                "strength_points": weak,
+            },
+        },
+        {
+            "name": "late",
+            "shape": {"kind": "box", "size": [0.3, 0.3, 0.3]},
+            "position": [6, 2, 0],
+            "linear_velocity": [1, 0, 0],
+            "starts": {"frame": 6},
+        },
+        {
+            "name": "door",
+            "motion": "kinematic",
+            "shape": {"kind": "box", "size": [0.3, 0.3, 0.3]},
+            "path": [{"frame": 0, "position": [8, 1, 0]}, {"frame": 20, "position": [6.5, 1, 0]}],
+        },
+        ball(0.6),
+        ball(3.0),
+    ]
+    world = World.build({"bodies": bodies})
+    other = World.restore(world.snapshot())
+    for frame in range(1, 25):
+        report, again = world.step(), other.step()
+        assert world.state_hash() == other.state_hash(), frame
+        assert report["energy"] == again["energy"]
+        if frame % 4 == 0:
+            snapshot = world.snapshot()
+            assert other.snapshot() == snapshot
+            other = World.restore(snapshot)
+        if frame == 10:
+            assert world.add_body(ball(6.0)) == other.add_body(ball(6.0))
+    # The ring and the wall are broken, late and the door met.
+    assert len(world.ids) > 20
+    assert world.waiting.sum() == 0
+
+
+def ball(x: float) -> dict[str, Any]:
+    return {
+        "name": "ball",
+        "shape": {"kind": "sphere", "radius": 0.15},
+        "position": [x, 0.8, 3],
+        "linear_velocity": [0, 0, -25],
+        "density": 7800,
+    }
+
+
+def ring() -> tuple[list[list[float]], list[list[int]]]:
+    """Vertices and triangles of a torus around z."""
+    around, across = np.meshgrid(np.arange(24), np.arange(12), indexing="ij")
+    a, b = around.ravel() * np.pi / 12, across.ravel() * np.pi / 6
+    distance = 0.6 + 0.2 * np.cos(b)
+    positions = np.column_stack([distance * np.cos(a), distance * np.sin(a), 0.2 * np.sin(b)])
+
+    def corner(i: int, j: int) -> npt.NDArray[np.int64]:
+        corners: npt.NDArray[np.int64] = (around + i) % 24 * 12 + (across + j) % 12
+        return corners.ravel()
+
+    quads = corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)
+    halves = [np.column_stack([quads[k] for k in half]) for half in ((0, 1, 2), (0, 2, 3))]
+    return positions.tolist(), np.concatenate(halves).tolist()
 
 
 def test_a_restored_world_shows_what_the_first_did() -> None:

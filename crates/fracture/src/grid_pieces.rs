@@ -32,10 +32,32 @@ pub(crate) struct GridPieces {
 struct Cut {
     #[serde(with = "frangible_math::shared")]
     body: Arc<Shape>,
-    #[serde(with = "frangible_math::shared")]
+    #[serde(with = "as_json")]
     pattern: Arc<Pattern>,
     placement: Placement,
     settings: ShatterSettings,
+}
+
+/// A pattern as its files have it: fields that are left out need a format that names the others.
+mod as_json {
+    use super::{Arc, Pattern};
+    use serde::de::Error as _;
+    use serde::ser::Error as _;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(
+        pattern: &Arc<Pattern>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serde_json::to_string(pattern.as_ref()).map_err(S::Error::custom)?.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Arc<Pattern>, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        serde_json::from_str(&text).map(Arc::new).map_err(D::Error::custom)
+    }
 }
 
 impl From<GridPieces> for Cut {

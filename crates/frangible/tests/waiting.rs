@@ -339,6 +339,7 @@ fn glue_holds_until_the_blow() {
         tensile_strength: 1e4,
         shear_strength: 1e4,
         anchors: Vec::new(),
+        strength_points: Vec::new(),
     };
     let glued =
         BodyDesc { starts: STRUCK, bonds: Some(bonds), ..block([0.2, 1.0, 1.0], [1.0, 2.0, 0.0]) };
