@@ -121,7 +121,7 @@ def journal_of(path: str) -> str:
     return os.path.join(path, "frames")
 
 
-def kept_frames(path: str) -> int:
+def steps_kept(path: str) -> int:
     """How many steps a folder keeps; 0 if it is none."""
     journal = journal_of(path)
     if not os.path.isfile(journal):

@@ -47,7 +47,8 @@ class RunFolder(KeptFrames):
         super().__init__(path, journal.length)
         self.known = known
         self._journal = journal
-        self._spent, self._last = 0.0, time.perf_counter()
+        # Of the last checkpoint: how long it took [s], and when it was there.
+        self._checkpoint_took, self._checkpoint_at = 0.0, time.perf_counter()
         # Of the frame to come.
         self.step_ms = 0.0
         self.depths: Float64 = np.zeros(0)
@@ -96,8 +97,8 @@ class RunFolder(KeptFrames):
 
     def checkpoint_when_due(self, world: World) -> None:
         """Write a checkpoint if that costs little of the run's time."""
-        waited = time.perf_counter() - self._last
-        if waited >= self._spent * (1.0 / _SHARE - 1.0):
+        waited = time.perf_counter() - self._checkpoint_at
+        if waited >= self._checkpoint_took * (1.0 / _SHARE - 1.0):
             self.checkpoint(world)
 
     def checkpoint(self, world: World) -> None:
@@ -118,8 +119,8 @@ class RunFolder(KeptFrames):
             with suppress(OSError):
                 os.unlink(new)
             raise
-        self._last = time.perf_counter()
-        self._spent = self._last - begin
+        self._checkpoint_at = time.perf_counter()
+        self._checkpoint_took = self._checkpoint_at - begin
 
     def _append(self, kind: str, fields: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
         self._journal.append(kind, fields, arrays)
@@ -133,6 +134,7 @@ class RunFolder(KeptFrames):
         """The run is in its outputs: the folder is not needed any more."""
         self.close()
         shutil.rmtree(self.path, ignore_errors=True)
+
 
 def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
     """A folder to go on with, and the snapshot of its world; `None` if it has no checkpoint yet.
@@ -160,5 +162,3 @@ def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
     if known.steps != kept.fields["frame"]:
         raise CacheError(f"{journal}: is damaged before frame {kept.fields['frame']}")
     return RunFolder(path, Journal(journal, length), known), kept.arrays["world"].tobytes()
-
-

@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 from frangible import Recording
-from frangible.kept_frames import kept_frames
+from frangible.kept_frames import steps_kept
 
 
 def command(*arguments: str) -> list[str]:
@@ -49,11 +49,11 @@ def killed(path: Path, frames: int, arguments: list[str]) -> int:
         while run.poll() is None:
             if os.path.exists(journal) and os.path.getsize(journal) != length:
                 length = os.path.getsize(journal)
-                if kept_frames(f"{path}.part") >= frames:
+                if steps_kept(f"{path}.part") >= frames:
                     run.send_signal(signal.SIGKILL)
                     break
             time.sleep(0.002)
-    return kept_frames(f"{path}.part")
+    return steps_kept(f"{path}.part")
 
 
 def main(shot: str, kills: int) -> None:

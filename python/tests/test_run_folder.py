@@ -19,7 +19,7 @@ from frangible.bench import summary
 from frangible.cli import main
 from frangible.io.npz import Parts, write_arrays
 from frangible.journal import Journal, read_journal
-from frangible.kept_frames import kept_frames
+from frangible.kept_frames import steps_kept
 from kill_and_resume import command, facts, killed
 
 #: A run of half a second, which breaks after three frames.
@@ -60,14 +60,14 @@ def test_a_killed_run_goes_on_to_the_same_bits(whole: Path, tmp_path: Path) -> N
 def test_ctrl_c_keeps_the_run_and_its_outputs(whole: Path, tmp_path: Path) -> None:
     path = tmp_path / "pane.npz"
     with subprocess.Popen(command(*RUN, "--out", str(path)), stderr=subprocess.PIPE) as run:
-        while kept_frames(f"{path}.part") < 2:
+        while steps_kept(f"{path}.part") < 2:
             time.sleep(0.002)
         run.send_signal(signal.SIGINT)
         assert run.stderr is not None
         said = run.stderr.read().decode()
     assert run.returncode == 130
     assert re.fullmatch(r"frangible: stopped after \d+ of 25 frames; outputs are of those\n", said)
-    assert Recording.load(path).frames == kept_frames(f"{path}.part") < 25
+    assert Recording.load(path).frames == steps_kept(f"{path}.part") < 25
     assert main([*RUN, "--out", str(path), "--resume"]) == 0
     assert facts(Recording.load(path)) == facts(Recording.load(whole))
 

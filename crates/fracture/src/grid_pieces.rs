@@ -40,10 +40,11 @@ struct Cut {
 
 /// A pattern as its files have it: fields that are left out need a format that names the others.
 mod as_json {
-    use super::{Arc, Pattern};
+    use crate::pattern::Pattern;
     use serde::de::Error as _;
     use serde::ser::Error as _;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use std::sync::Arc;
 
     pub(super) fn serialize<S: Serializer>(
         pattern: &Arc<Pattern>,

@@ -12,8 +12,8 @@ use frangible_math::RigidTransform;
 
 /// The contacts between the pieces of one break, in the order of `a`, then of `b`.
 ///
-/// Convex polyhedra, and compounds of them, touch where faces of two of them lie in one plane and look at each other: the
-/// area is exact.
+/// Convex polyhedra, and compounds of them, touch where faces of two of them lie in one plane and
+/// look at each other: the area is exact.
 ///
 /// Pieces on a lattice touch where a voxel of one has a voxel of the other beside it. The faces
 /// between the two make a staircase, whose area is too large by up to the root of 3; the sum of

@@ -18,6 +18,17 @@ use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
 
+/// Pieces of fewer voxels are slivers: in a block of three voxels a side the middle one is the
+/// first whose distance the samples resolve.
+const SMALLEST_VOXELS: f64 = 27.0;
+
+/// Part of a body's volume below which a piece is rounding [1].
+const SMALLEST_PIECE: f64 = 1e-12;
+
+/// Sides of a crack in a file of single precision are apart by less, relative to the longest side
+/// of the body [1].
+const SAME_PLANE: f64 = 1e-6;
+
 /// The pieces that a glued body is cut into.
 #[derive(Clone, Debug)]
 pub struct Prescored {
@@ -128,8 +139,8 @@ pub fn prescore(
 }
 
 /// The pieces of a body on a grid that are closed meshes in its grid frame, as a break of its mesh
-/// has left them. Those that the grid does not resolve join a neighbour. Their contacts are those that are given, or else the common faces of the meshes;
-/// where one of these has none, those of their voxels.
+/// has left them. Those that the grid does not resolve join a neighbour. Contacts are those that are
+/// given, or else the common faces of the meshes; where a mesh has none, those of the voxels.
 ///
 /// # Errors
 /// If a mesh is not closed or too thin to be sampled, or the body lies on no grid.
@@ -238,14 +249,6 @@ fn without_slivers(
     (joined, of_hosts.into_interfaces())
 }
 
-/// Pieces of fewer voxels are slivers: in a block of three voxels a side the middle one is the
-/// first whose distance the samples resolve.
-const SMALLEST_VOXELS: f64 = 27.0;
-
-/// Sides of a crack in a file of single precision are apart by less, relative to the longest side
-/// of the body.
-const SAME_PLANE: f64 = 1e-6;
-
 /// Each piece is a block, but joints belong to that of their owner.
 fn on_grid(pieces: GridPieces, pattern: &Pattern, contacts: Option<Vec<Interface>>) -> Prescored {
     let cells: Vec<u32> = pieces.cells().collect();
@@ -257,9 +260,6 @@ fn on_grid(pieces: GridPieces, pattern: &Pattern, contacts: Option<Vec<Interface
     let blocks = cells.iter().enumerate().map(block).collect();
     Prescored { forms: Forms::Grid(Arc::new(pieces)), blocks, contacts }
 }
-
-/// Part of a body's volume below which a piece is rounding.
-const SMALLEST_PIECE: f64 = 1e-12;
 
 /// A bond for each face that two hulls share.
 pub(crate) fn touching(hulls: &[Hull]) -> Vec<Interface> {

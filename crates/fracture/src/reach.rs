@@ -30,14 +30,17 @@ pub enum Rim {
 /// Facets of the bowl: as many as look round with as few convex parts around them.
 const FACETS: usize = 14;
 
-/// Nearest facet of the bowl, and how much further others are, relative to one another: so that it
-/// looks broken, not turned.
+/// Radius of the ball that the bowl is a part of, at its nearest facet; the bowl is scaled to the
+/// reach later.
 const NEAREST: f64 = 1.0;
+
+/// Other facets lie further out by up to this part of the nearest one's distance [1]: the bowl looks
+/// broken, not turned.
 const RAGGED: f64 = 0.25;
 
-/// How far in front of the surface the ball has its centre that the bowl is a part of, in units of
-/// its radius: the bowl opens outward, at 37 degrees at its rim, so that pieces can leave it. Half a
-/// ball around the blow held them fast. It is half as deep as it is wide from the blow to its rim.
+/// The ball's centre lies so far in front of the surface, in units of its radius [1]: the bowl opens
+/// outward, at 37 degrees at its rim, so that pieces can leave it. Half a ball around the blow held
+/// them fast. The bowl is half as deep as it is wide from the blow to its rim.
 const IN_FRONT: f64 = 0.6;
 
 /// What stands out in front of the blow comes loose up to this part of the reach, as where a body

@@ -1,6 +1,7 @@
 //! Scenes: described, checked and built.
 
 pub(crate) mod bonds;
+pub(crate) mod breaking;
 pub(crate) mod build;
 pub(crate) mod check;
 pub(crate) mod desc;

@@ -16,7 +16,7 @@ use crate::step::break_bodies::break_bodies;
 use crate::step::local_strength::LocalStrengths;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::step::stage_clock::StageClock;
-use crate::step::waiting::passed_on::{hit_through_others, pressed};
+use crate::step::waiting::passed_on::{hit_through_others, waiting_contacts};
 use crate::step::waiting::{Contacts, start_and_advance};
 use crate::world::World;
 use frangible_bodies::{BodyId, Drowsiness, Frame, Motion, Pose, accelerate, predict};
@@ -267,7 +267,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     clock.lap("find_manifolds");
     let contact_free = ContactFreeState::new(bodies, predicted, &accounts, frame);
     let before = Before::of(bodies);
-    let carried = pressed(bodies, labels, &manifolds, warm, frame);
+    let pressed_before = waiting_contacts(bodies, labels, &manifolds, warm, frame);
     let Solved { accounts: solver_accounts, gravity, short_of_substeps, confirmed } =
         solve(bodies, &manifolds, warm, frame);
     accounts.add(solver_accounts);
@@ -276,8 +276,8 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         points: confirmed.get(&pair).map_or(points, Vec::as_slice),
     };
     let manifolds: Vec<Manifold> = manifolds.into_iter().map(as_solved).collect();
-    let pressed = pressed(bodies, labels, &manifolds, warm, frame);
-    let hit = hit_through_others(bodies, &manifolds, (&carried, &pressed), frame);
+    let pressed_after = waiting_contacts(bodies, labels, &manifolds, warm, frame);
+    let hit = hit_through_others(bodies, &manifolds, (&pressed_before, &pressed_after), frame);
     // Contact forces load the bonds of glued bodies in the next frame.
     let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
     if are_glued.contains(&true) {

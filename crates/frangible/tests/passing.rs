@@ -159,8 +159,8 @@ proptest! {
         prop_assert!(highest - 0.5 * size < 1e-3, "hops {} m", highest - 0.5 * size);
     }
 
-    /// Without gravity a body flies past an edge, or past a ball, and does not feel it: at any angle
-    /// to the edge's faces, and at any spin of a ball.
+    /// Without gravity a body flies past an edge, or past a ball, and does not feel it: at any
+    /// angle to the edge's faces, and at any spin of a ball.
     #[test]
     fn what_passes_is_not_moved(
         kind in any_of(&[Kind::Cube, Kind::Ball, Kind::Cylinder]),

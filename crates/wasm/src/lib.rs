@@ -185,8 +185,8 @@ impl World {
         self.world.set_velocity(body(id), linear.into(), angular.into()).map_err(error)
     }
 
-    /// Adds a body, JSON as in a scene, behind all others; returns its id. Throws the first rule that
-    /// it breaks.
+    /// Adds a body, JSON as in a scene, behind all others; returns its id. Throws the first rule
+    /// that it breaks.
     #[wasm_bindgen(js_name = addBody)]
     pub fn add_body(&mut self, json: &str) -> Result<f64, JsError> {
         let value = serde_json::from_str(json).map_err(error)?;

@@ -17,7 +17,7 @@ from .._frangible import World
 from ..bench.run_process import moving_mass
 from ..bench.summary import RunFigures
 from ..errors import CacheError
-from ..kept_frames import kept_frames
+from ..kept_frames import steps_kept
 from ..laid import Laid
 from ..recorder import Recorder
 from ..recording import Float64, Recording
@@ -89,7 +89,7 @@ class KeptRun:
         already. Where the run began."""
         self._named = named
         if self._folder is None:
-            if frames := kept_frames(self.path):
+            if frames := steps_kept(self.path):
                 said = f"replaces {frames} frames of a run that was stopped"
                 print(f"frangible: {self.path}: {said}", file=sys.stderr, flush=True)
             shot, rate = named

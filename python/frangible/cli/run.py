@@ -13,6 +13,7 @@ from ..bench.run_process import moving_mass
 from ..bench.summary import RunFigures, describe
 from ..errors import OutputError
 from ..interrupts import Stop, stop_when_asked
+from ..laid import Laid
 from ..progress import report_progress, report_stages
 from ..recording import step_frames
 from ..report import StepReport
@@ -84,30 +85,11 @@ def _run(options: argparse.Namespace) -> int:
     scene, frames, name = chosen_scene(options, wished(options))
     frames = options.frames or frames
     check_view(options, convention_of(scene))
-    if options.frame is not None and options.frame > frames:
-        raise OutputError(
-            f"--frame: {options.frame}, must be at most the number of frames, {frames}"
-        )
-    if options.frame is not None and not any(path.lower().endswith(".png") for path in options.out):
-        raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
+    _check_frame(options, frames)
     rate = float(scene.get("frames_per_second", 0.0))
     kept = KeptRun(options.out, [scene, options.inside]) if outputs else None
     resumed = kept.resume(frames) if kept is not None and options.resume else None
-    with (
-        readable_scene(scene, options.pose_time) as readable,
-        report_stages(options.quiet) as stage,
-    ):
-        if resumed is None:
-            stage("building the world")
-            world = _frangible.World.build(readable, options.threads)
-        else:
-            stage("reading the world")
-            world = _frangible.World.restore(resumed, options.threads)
-        check_bodies(world)
-        skins = scene_skins(scene, readable, options.inside) if outputs else {}
-        notes = volume_notes(readable, world.masses) if resumed is None else []
-    for note in notes:
-        print(f"frangible: {note}", file=sys.stderr, flush=True)
+    world, skins = _build_world(scene, options, resumed)
 
     # Simulate: frames and surfaces go to a disk, and only if a file needs them.
     rate = rate or 1.0 / world.dt
@@ -159,3 +141,38 @@ def _run(options: argparse.Namespace) -> int:
     seconds = 1e-3 * sum(figures.step_ms)
     print(json.dumps(summary) if options.json else describe(summary, seconds))
     return status if stop.signal is None else 128 + stop.signal
+
+
+def _check_frame(options: argparse.Namespace, frames: int) -> None:
+    """`OutputError` if ``--frame`` is beyond the run, or no picture shows it."""
+    if options.frame is None:
+        return
+    if options.frame > frames:
+        raise OutputError(
+            f"--frame: {options.frame}, must be at most the number of frames, {frames}"
+        )
+    if not any(path.lower().endswith(".png") for path in options.out):
+        raise OutputError(f"--frame: {options.frame}, must come with an --out that ends in .png")
+
+
+def _build_world(
+    scene: dict[str, Any], options: argparse.Namespace, resumed: bytes | None
+) -> tuple[_frangible.World, dict[int, Laid]]:
+    """The world of a scene, or that of the snapshot to go on from, and the skins of its bodies if
+    an output shows them."""
+    with (
+        readable_scene(scene, options.pose_time) as readable,
+        report_stages(options.quiet) as stage,
+    ):
+        if resumed is None:
+            stage("building the world")
+            world = _frangible.World.build(readable, options.threads)
+        else:
+            stage("reading the world")
+            world = _frangible.World.restore(resumed, options.threads)
+        check_bodies(world)
+        skins = scene_skins(scene, readable, options.inside) if options.out else {}
+        notes = volume_notes(readable, world.masses) if resumed is None else []
+    for note in notes:
+        print(f"frangible: {note}", file=sys.stderr, flush=True)
+    return world, skins

@@ -22,8 +22,8 @@ pub struct Natural {
     /// Spread of sizes, from 0 (the largest cell cracks) over 0.5 (probability proportional to
     /// volume) to 1 (equal probability).
     pub spread: f64,
-    /// Gathers small cells around the centre, from 0 (everywhere alike) to 30: a cell cracks the more
-    /// likely the nearer it is, by a Gaussian whose standard deviation is `half_extent /
+    /// Gathers small cells around the centre, from 0 (everywhere alike) to 30: a cell cracks the
+    /// more likely the nearer it is, by a Gaussian whose standard deviation is `half_extent /
     /// clustering`.
     pub clustering: f64,
     /// Of the random numbers.

@@ -28,8 +28,8 @@ impl Pattern {
         Ok(Self { cells: Cells::Drawn(drawn), ..Self::planar_in_box(half_extent, Vec::new()) })
     }
 
-    /// Cells that are pieces of a body, where they lie on it: they need not fill their bounding box,
-    /// and space beyond belongs to the nearest.
+    /// Cells that are pieces of a body, where they lie on it: they need not fill their bounding
+    /// box, and space beyond belongs to the nearest.
     ///
     /// # Errors
     /// If a mesh is not closed, or too thin to be sampled.

@@ -2,33 +2,27 @@
 
 use crate::report::books::Books;
 use crate::scene::bonds::build_bonds;
-use crate::scene::check::MOST_SPEED;
-use crate::scene::check::MOST_SPIN;
-use crate::scene::check::{BuildError, Checker};
-use crate::scene::desc::breaking::{BondsDesc, BreakingDesc, StrengthDesc};
+use crate::scene::breaking::{build_breaking, check_breaking, fit_to_shape, make_to_break};
+use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
+use crate::scene::desc::breaking::BondsDesc;
 use crate::scene::desc::{
     BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
 };
-use crate::scene::pattern_choice::PatternChoice;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::starts::build_waiting;
-use crate::scene::strength::Strength;
-use crate::scene::strength_points::build_strength_points;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
-use crate::world::{Breaking, Label, World};
+use crate::world::{Label, World};
 use frangible_bodies::{
     Bodies, BodyId, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties,
     Velocity,
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
-use frangible_fracture::{MOST_CELLS, Reach, Rim, ShatterSettings, Smallest};
-use frangible_geometry::{Geometry, Shape};
+use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
-use std::sync::Arc;
 
 impl World {
     /// Checks a scene and builds it.
@@ -303,38 +297,6 @@ fn is_environment(desc: &BodyDesc, method: Method) -> bool {
         && method == Method::FrameRate
 }
 
-/// Convex bodies under planar cracks break exactly into convex pieces. The paper's method uses
-/// level sets instead.
-fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
-    let is_exact = desc.shape.is_convex()
-        || breaking.shatter.reach.is_some() && matches!(desc.shape, ShapeDesc::Compound { .. });
-    if method == Method::FrameRate && breaking.choice.is_planar() && is_exact {
-        Make::Polyhedron
-    } else {
-        Make::Voxels
-    }
-}
-
-/// What breaks moves by itself, and is of one strength in the paper's method.
-fn check_breaking(
-    desc: &BodyDesc,
-    breaking: Option<&Breaking>,
-    method: Method,
-    at: &Checker,
-) -> Result<(), BuildError> {
-    let Some(breaking) = breaking else { return Ok(()) };
-    if method == Method::Paper && breaking.strength_points.is_some() {
-        let at = at.field("breaking.strength_points");
-        return Err(at.broken("set", "left out, with the paper's method"));
-    }
-    if desc.motion != MotionDesc::Dynamic {
-        return Err(at
-            .field("breaking")
-            .broken("on a body that is not dynamic", "left out, or the body dynamic"));
-    }
-    Ok(())
-}
-
 /// Planar cells cut convex parts exactly; other bodies and other cells need a grid.
 fn make_to_glue(
     bonds: &BondsDesc,
@@ -351,63 +313,4 @@ fn make_to_glue(
         shape if shape.is_convex() => Make::Polyhedron,
         _ => Make::Whole,
     })
-}
-
-/// Cracks are sampled as densely as the surface was, and pieces are not too small for it.
-fn fit_to_shape(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
-    breaking.shatter.smallest = Smallest::of_first(shape);
-    if let (Geometry::Grid(solid), Some(spacing)) =
-        (&shape.geometry, desc.resolution().sample_spacing)
-    {
-        breaking.shatter.sample_spacing_voxels = spacing / solid.grid().spacing;
-    }
-    breaking
-}
-
-fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaking, BuildError> {
-    let strength = build_strength(&desc.strength, &at.field("strength"))?;
-    at.field("generations").count(desc.generations as usize, 1, 64)?;
-    let smallest = at.field("smallest").not_negative(desc.smallest)?;
-
-    // Patterns of energy-limited blows need coarser alternatives.
-    let pieces = match desc.pieces {
-        Some(pieces) => Some(at.field("pieces").count(pieces, 2, MOST_CELLS)?),
-        None => None,
-    };
-    let has_coarser = strength.fracture_energy() > 0.0 && pieces.is_none();
-    let at_pattern = at.field("pattern");
-    let choice = Arc::new(PatternChoice::new(&desc.pattern, pieces, has_coarser, &at_pattern)?);
-    let reach = match desc.reach {
-        Some(reach) => {
-            let distance = at.field("reach").positive(reach, "m")?;
-            let rim = if desc.pattern.has_cells_of_its_own() { Rim::Cells } else { Rim::Bowl };
-            Some(Reach { distance, rim })
-        }
-        None => None,
-    };
-    let twist = at.field("twist").within(desc.twist, -1e3, 1e3)?;
-    let shatter = ShatterSettings { reach, twist, ..ShatterSettings::default() };
-    let center = desc.point.map(|point| at.field("point").vector(point, "m")).transpose()?;
-    Ok(Breaking {
-        choice,
-        strength,
-        shatter,
-        generations: desc.generations,
-        smallest,
-        center,
-        strength_points: build_strength_points(&desc.strength_points, at)?,
-    })
-}
-
-fn build_strength(desc: &StrengthDesc, at: &Checker) -> Result<Strength, BuildError> {
-    let material = match desc {
-        StrengthDesc::Impulse(impulse) => return Ok(Strength::Impulse(at.impulse(*impulse)?)),
-        StrengthDesc::Named(name) => name.properties(),
-        StrengthDesc::Material(material) => *material,
-    };
-    at.field("tensile_strength").positive(material.tensile_strength, "Pa")?;
-    at.field("youngs_modulus").positive(material.youngs_modulus, "Pa")?;
-    at.field("fracture_energy").not_negative(material.fracture_energy)?;
-    at.field("weibull_modulus").within(material.weibull_modulus, 1.0, 1e3)?;
-    Ok(Strength::Material(material))
 }

@@ -1,5 +1,5 @@
-//! `frangible-bindgen MODULE.wasm FOLDER`: writes the module's JavaScript, its types, and the module
-//! that they load, into a folder.
+//! `frangible-bindgen MODULE.wasm FOLDER`: writes the module's JavaScript, its types, and the
+//! module that they load, into a folder.
 
 use std::process::ExitCode;
 use wasm_bindgen_cli_support::Bindgen;

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// When a body begins to move: at a frame, or when it is struck; one of the two. Until then it holds
-/// still and is to others a body of infinite mass that does not break.
+/// When a body begins to move: at a frame, or when it is struck; one of the two. Until then it
+/// holds still and is to others a body of infinite mass that does not break.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StartsDesc {

@@ -75,7 +75,6 @@ fn hit_by_driven(
     let mut hit = Vec::new();
     for pair in pairs {
         for (body, other) in [(pair.first, pair.second), (pair.second, pair.first)] {
-            // However slowly it comes: it would go through.
             if wait[body]
                 && is_driven(&bodies.motions[other])
                 && hit_of(bodies, pair, &predicted, finder, frame).speed > LEAST_DRIVEN
@@ -87,7 +86,8 @@ fn hit_by_driven(
     hit
 }
 
-/// Of some bodies that wait, copies that move, at rest: contacts are sought between such.
+/// A copy in which the bodies that wait are dynamic and at rest: no contacts are sought between
+/// bodies of infinite mass.
 pub(super) fn all_dynamic(bodies: &Bodies, wait: &[bool]) -> Bodies {
     let mut bodies = bodies.clone();
     for i in (0..bodies.len()).filter(|&i| wait[i]) {

@@ -12,39 +12,39 @@ use glam::DVec3;
 /// the weight of all that touches there, and the contact in the frame before, account for [1].
 const BLOW_FACTOR: f64 = 2.0;
 
-/// Impulse of a pair in a frame.
+/// A contact of a free body with one that waits for a blow, and its impulse in a frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pressed {
-    /// That waits for a blow.
-    body: BodyId,
+pub(crate) struct WaitingContact {
+    /// The one that waits.
+    waiting: BodyId,
     pair: Pair,
     /// On either of the pair [N s].
     impulse: f64,
 }
 
-/// Impulses, in the last solved frame, of the pairs of a free body and one that waits for a blow.
-pub(crate) fn pressed(
+/// The contacts of free bodies with waiting ones that had an impulse in the last solved frame.
+pub(crate) fn waiting_contacts(
     bodies: &Bodies,
     labels: &[Label],
     manifolds: &[Manifold],
     carried: &ImpulseCache,
     frame: &Frame,
-) -> Vec<Pressed> {
+) -> Vec<WaitingContact> {
     let wait: Vec<bool> = labels.iter().map(Label::waits_for_blow).collect();
     if !wait.contains(&true) {
         return Vec::new();
     }
     let of_waiting = |manifold: &Manifold| wait[manifold.pair.first] || wait[manifold.pair.second];
     let manifolds = manifolds.iter().copied().filter(of_waiting);
-    let pressed = manifolds.filter_map(|manifold| {
+    let contacts = manifolds.filter_map(|manifold| {
         let pair = manifold.pair;
         let forces = contact_forces(bodies, std::iter::once(manifold), carried);
         let force: DVec3 = forces.iter().map(|force| force.force).sum();
         let waiting = if wait[pair.first] { pair.first } else { pair.second };
         let impulse = frame.dt * force.length();
-        (impulse > 0.0).then_some(Pressed { body: bodies.ids[waiting], pair, impulse })
+        (impulse > 0.0).then_some(WaitingContact { waiting: bodies.ids[waiting], pair, impulse })
     });
-    pressed.collect()
+    contacts.collect()
 }
 
 /// Those waiting bodies whose contacts gave more in a frame than weight explains: `after` is what
@@ -52,14 +52,14 @@ pub(crate) fn pressed(
 pub(crate) fn hit_through_others(
     bodies: &Bodies,
     manifolds: &[Manifold],
-    (before, after): (&[Pressed], &[Pressed]),
+    (before, after): (&[WaitingContact], &[WaitingContact]),
     frame: &Frame,
 ) -> Vec<BodyId> {
     if after.is_empty() {
         return Vec::new();
     }
     let masses = masses_of_islands(bodies, manifolds);
-    let is_blow = |now: &&Pressed| {
+    let is_blow = |now: &&WaitingContact| {
         let carried = before.iter().find(|then| then.pair == now.pair);
         let free = now.pair.both().into_iter().find(|&i| !bodies.inertias[i].is_infinite());
         let Some(free) = free else { return false };
@@ -67,7 +67,7 @@ pub(crate) fn hit_through_others(
         let rests = carried.map_or(0.0, |then| then.impulse) + weight;
         now.impulse > BLOW_FACTOR * rests + least_hit(frame) * bodies.masses[free]
     };
-    after.iter().filter(is_blow).map(|now| now.body).collect()
+    after.iter().filter(is_blow).map(|now| now.waiting).collect()
 }
 
 /// For each free body, the mass of all free bodies that may touch it, or these in turn [kg].
