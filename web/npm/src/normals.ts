@@ -1,12 +1,20 @@
 // Normals for drawing: smooth where a surface bends gently, sharp at its edges and cracks; as
 // `python/frangible/render/normals.py`.
-import type { Mesh } from "../recording";
+
+/** A surface for drawing. */
+export interface Shaded {
+  positions: Float32Array;
+  normals: Float32Array;
+  /** Of each corner: 1 on what cracks made, else 0. */
+  slots: Int32Array;
+  triangles: Int32Array;
+}
 
 /** Faces that meet at a flatter angle look like one bent surface; broken edges are far sharper. */
 const GENTLE = Math.cos((30 * Math.PI) / 180);
 
 /** A surface whose corners are apart wherever it creases; slot 1 is what cracks made. */
-export function shaded(positions: Float32Array, triangles: Uint32Array, interior: Uint8Array): Mesh {
+export function shaded(positions: Float32Array, triangles: Uint32Array, interior: Uint8Array): Shaded {
   const count = triangles.length / 3;
   const faces = new Float32Array(3 * count);
   const units = new Float32Array(3 * count);
@@ -35,8 +43,6 @@ export function shaded(positions: Float32Array, triangles: Uint32Array, interior
     positions: new Float32Array(corners.positions),
     normals: new Float32Array(corners.normals),
     slots: new Int32Array(corners.slots),
-    places: null,
-    colours: null,
     triangles: indices,
   };
 }
