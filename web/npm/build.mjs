@@ -15,12 +15,13 @@ for (const file of ["engine.js", "engine.d.ts", "engine_bg.wasm"]) await copyFil
 for (const file of ["LICENSE-MIT", "LICENSE-APACHE"]) await copyFile(here(ROOT + file), here(file));
 
 const schema = JSON.parse(await readFile(here(SCHEMA), "utf8"));
+withoutPython(schema);
 await writeFile(here("dist/scene.d.ts"), await compile(plain(schema), "SceneDesc", {
   bannerComment: "// Scenes, as the engine's schema describes them.", additionalProperties: false, format: false,
 }));
 execFileSync(process.execPath, [here("../node_modules/typescript/bin/tsc"), "-p", here(".")], { stdio: "inherit" });
 // Types of a package name files with their endings.
-for (const file of ["index", "node", "parts", "descriptions", "three", "batch", "looks", "normals", "reader"]) {
+for (const file of ["index", "node", "parts", "descriptions", "three", "batch", "looks", "materials", "normals", "reader"]) {
   const path = here(`dist/${file}.d.ts`);
   await writeFile(path, (await readFile(path, "utf8")).replace(/(from |import )"(\.\/\w+)"/g, '$1"$2.js"'));
 }
@@ -41,4 +42,13 @@ function plain(part) {
   const found = Object.fromEntries(Object.entries(rest).map(([key, value]) => [key, plain(value)]));
   if ($ref === undefined) return found;
   return Object.keys(found).length > 0 ? { ...found, allOf: [{ $ref }] } : { $ref };
+}
+
+/** Takes out what only the Python package understands: materials by name, and looks of one's own. */
+function withoutPython({ properties, $defs }) {
+  delete properties.materials;
+  delete $defs.BodyDesc.properties.material;
+  const { look } = $defs.BodyDesc.properties;
+  look.anyOf = look.anyOf.filter(({ $ref }) => $ref !== "#/$defs/OwnLook");
+  for (const name of ["Material", "OwnLook", "Surface"]) delete $defs[name];
 }

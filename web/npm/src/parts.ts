@@ -28,5 +28,6 @@ function text(description: object | string): string {
 }
 
 export type { Fracture, InitInput, Snapshot, StepReport, Surface } from "./engine.js";
+export { MATERIALS, type MaterialName } from "./materials";
 export { type NewBody, type ReadableWorld, WorldReader, type WorldState } from "./reader";
 export type * from "./descriptions";

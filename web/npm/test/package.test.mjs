@@ -4,7 +4,7 @@ import { execFileSync } from "node:child_process";
 import { readFile } from "node:fs/promises";
 import { before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import init, { World, WorldReader, shotScene } from "frangible";
+import init, { MATERIALS, World, WorldReader, shotScene } from "frangible";
 import { WorldView } from "frangible/three";
 import { BatchedMesh, Box3, Matrix4, MeshBasicMaterial, Raycaster, Vector3 } from "three";
 
@@ -126,6 +126,34 @@ test("a thousand bodies are two draw calls", () => {
   const view = new WorldView(new World({ bodies }));
   assert.equal(batches(view).length, 1);
   assert.equal(drawn(view), 1000);
+});
+
+test("every material breaks that should", () => {
+  for (const [name, material] of Object.entries(MATERIALS)) {
+    const world = new World({ bodies: [{ ...material, shape: { kind: "box", size: [1, 1, 1] } }, { ...BALL, linear_velocity: [0, 0, -80] }] });
+    const broken = [0, 1, 2].some(() => world.step().fractures.length > 0);
+    assert.equal(broken, name !== "steel", name);
+    world.free();
+  }
+});
+
+test("the types have the fields that the engine knows", async () => {
+  const types = await readFile(here("../dist/scene.d.ts"), "utf8");
+  const fields = (name) => [...new RegExp(`interface ${name} {([^]*?)\\n}`).exec(types)[1].matchAll(/^(\w+)\??:/gm)].map(([, field]) => field);
+  const known = (scene) => {
+    try {
+      new World(scene);
+    } catch ({ message }) {
+      return /one of (.*)/.exec(message)[1].split(", ");
+    }
+    return assert.fail("nothing was thrown");
+  };
+  const shape = { kind: "sphere", radius: 1 };
+  assert.deepEqual(fields("SceneDesc").sort(), known({ bodies: [], none: 0 }).sort());
+  const body = known({ bodies: [{ shape, none: 0 }] });
+  assert.deepEqual(fields("BodyDesc").sort(), body.sort());
+  const breaking = known({ bodies: [{ shape, breaking: { strength: 1, pattern: { kind: "slices" }, none: 0 } }] });
+  assert.deepEqual(fields("BreakingDesc").sort(), breaking.sort());
 });
 
 test("the package holds what it needs, and no more", async () => {
