@@ -2,15 +2,17 @@
 import materials from "./materials.json";
 import type { BodyDesc } from "./scene";
 
-export type MaterialName = keyof typeof materials.presets;
+export type MaterialName = "concrete" | "glass" | "brick" | "masonry" | "wood" | "ice" | "steel";
 
 interface Preset extends Omit<BodyDesc, "shape" | "breaking"> {
   strength?: NonNullable<BodyDesc["breaking"]>["strength"];
   pattern?: NonNullable<BodyDesc["breaking"]>["pattern"];
 }
 
+const presets: Record<MaterialName, unknown> = materials.presets;
+
 /** What bodies of a material have: `{ ...MATERIALS.glass, shape }` is a body. */
-export const MATERIALS = Object.fromEntries(Object.entries(materials.presets).map(([name, preset]) => [name, fields(preset as Preset)])) as Record<
+export const MATERIALS = Object.fromEntries(Object.entries(presets).map(([name, preset]) => [name, fields(preset as Preset)])) as Record<
   MaterialName,
   Omit<BodyDesc, "shape">
 >;

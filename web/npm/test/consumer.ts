@@ -1,5 +1,5 @@
 // What a user writes: the compiler checks it against the package's types.
-import init, { type BodyDesc, type Fracture, type SceneDesc, World, WorldReader, shotScene } from "frangible";
+import init, { type BodyDesc, type Fracture, MATERIALS, type SceneDesc, World, WorldReader, shotScene } from "frangible";
 import { WorldView } from "frangible/three";
 import { MeshStandardMaterial, Scene } from "three";
 
@@ -18,6 +18,9 @@ new Scene().add(view);
 view.take(new WorldReader().read(world));
 new World(shotScene("wall")).free();
 
+const pane: BodyDesc = { ...MATERIALS.glass, shape: { kind: "box", size: [1, 1, 0.01] } };
+// @ts-expect-error: no such material
+void MATERIALS.cheese;
 // @ts-expect-error: bodies have shapes
 const empty: BodyDesc = {};
 // @ts-expect-error: a sphere has a radius
@@ -25,4 +28,4 @@ world.addBody({ shape: { kind: "sphere", size: [1, 1, 1] } });
 // @ts-expect-error: no such motion
 world.addBody({ shape: { kind: "sphere", radius: 1 }, motion: "dynamical" });
 
-export { breaks, empty, id };
+export { breaks, empty, id, pane };
