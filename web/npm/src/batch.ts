@@ -52,7 +52,7 @@ export class Batch extends BatchedMesh {
     if (this.instanceCount + 1 > this.maxInstanceCount) this.setInstanceCount(2 * this.maxInstanceCount);
     if (this.unusedVertexCount >= vertices && this.unusedIndexCount >= indices) return;
     // What the dead leave is used first.
-    if (this.parts.size > 0) this.optimize();
+    this.optimize();
     const free = [this.unusedVertexCount, this.unusedIndexCount] as const;
     if (free[0] >= vertices && free[1] >= indices) return;
     [vertices, indices].forEach((wanted, which) => {
@@ -78,8 +78,13 @@ function sideOf({ positions, normals, slots, triangles }: Shaded, slot: number):
     indices.push(row);
   }
   if (indices.length === 0) return null;
-  const picked = (from: Float32Array): BufferAttribute =>
-    new BufferAttribute(new Float32Array(corners.flatMap((corner) => [...from.subarray(3 * corner, 3 * corner + 3)])), 3);
+  const picked = (from: Float32Array): BufferAttribute => {
+    const into = new Float32Array(3 * corners.length);
+    corners.forEach((corner, row) => {
+      for (let axis = 0; axis < 3; axis++) into[3 * row + axis] = from[3 * corner + axis]!;
+    });
+    return new BufferAttribute(into, 3);
+  };
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", picked(positions));
   geometry.setAttribute("normal", picked(normals));

@@ -21,40 +21,53 @@ export function shaded(positions: Float32Array, triangles: Uint32Array, interior
   for (let face = 0; face < count; face++) faceNormal(positions, triangles, face, faces, units);
   const around = facesAround(positions.length / 3, triangles);
 
-  const corners = { positions: [] as number[], normals: [] as number[], slots: [] as number[] };
+  const made = { positions: [] as number[], normals: [] as number[], slots: [] as number[] };
+  // Of each vertex the corner that was made last, and of each corner the one before.
+  const last = new Int32Array(positions.length / 3).fill(-1);
+  const before: number[] = [];
   const indices = new Int32Array(triangles.length);
-  const made = new Map<string, number>();
+  const normal = [0, 0, 0];
   for (let corner = 0; corner < triangles.length; corner++) {
     const face = Math.floor(corner / 3);
     const vertex = triangles[corner]!;
-    const normal = mean(around.of(vertex), face, faces, units, interior);
-    const key = `${vertex} ${interior[face]} ${normal.map((part) => Math.round(1e3 * part)).join(" ")}`;
-    let index = made.get(key);
-    if (index === undefined) {
-      index = corners.slots.length;
-      made.set(key, index);
-      corners.positions.push(...positions.subarray(3 * vertex, 3 * vertex + 3));
-      corners.normals.push(...normal);
-      corners.slots.push(interior[face]!);
+    mean(around.of(vertex), face, faces, units, interior, normal);
+    let index = last[vertex]!;
+    while (index >= 0 && !(made.slots[index] === interior[face] && isNear(made.normals, 3 * index, normal))) index = before[index]!;
+    if (index < 0) {
+      index = made.slots.length;
+      before.push(last[vertex]!);
+      last[vertex] = index;
+      for (let axis = 0; axis < 3; axis++) {
+        made.positions.push(positions[3 * vertex + axis]!);
+        made.normals.push(normal[axis]!);
+      }
+      made.slots.push(interior[face]!);
     }
     indices[corner] = index;
   }
   return {
-    positions: new Float32Array(corners.positions),
-    normals: new Float32Array(corners.normals),
-    slots: new Int32Array(corners.slots),
+    positions: new Float32Array(made.positions),
+    normals: new Float32Array(made.normals),
+    slots: new Int32Array(made.slots),
     triangles: indices,
   };
 }
 
+/** Whether two normals are one: a thousandth is not seen. */
+function isNear(normals: number[], at: number, normal: number[]): boolean {
+  for (let axis = 0; axis < 3; axis++) if (Math.abs(normals[at + axis]! - normal[axis]!) > 1e-3) return false;
+  return true;
+}
+
 /** Twice the area along the normal, and the unit normal; a sliver without area takes any. */
 function faceNormal(positions: Float32Array, triangles: Uint32Array, face: number, faces: Float32Array, units: Float32Array): void {
-  const at = (corner: number, axis: number): number => positions[3 * triangles[3 * face + corner]! + axis]!;
-  const [u, v] = [1, 2].map((corner) => [0, 1, 2].map((axis) => at(corner, axis) - at(0, axis))) as [number[], number[]];
-  const normal = [u[1]! * v[2]! - u[2]! * v[1]!, u[2]! * v[0]! - u[0]! * v[2]!, u[0]! * v[1]! - u[1]! * v[0]!];
-  const length = Math.hypot(...normal);
-  faces.set(normal, 3 * face);
-  units.set(length > 0 ? normal.map((part) => part / length) : [0, 1, 0], 3 * face);
+  const [a, b, c] = [3 * triangles[3 * face]!, 3 * triangles[3 * face + 1]!, 3 * triangles[3 * face + 2]!];
+  const [u0, u1, u2] = [positions[b]! - positions[a]!, positions[b + 1]! - positions[a + 1]!, positions[b + 2]! - positions[a + 2]!];
+  const [v0, v1, v2] = [positions[c]! - positions[a]!, positions[c + 1]! - positions[a + 1]!, positions[c + 2]! - positions[a + 2]!];
+  const [x, y, z] = [u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0];
+  const length = Math.hypot(x, y, z);
+  faces.set([x, y, z], 3 * face);
+  units.set(length > 0 ? [x / length, y / length, z / length] : [0, 1, 0], 3 * face);
 }
 
 /** The faces at each vertex. */
@@ -69,14 +82,14 @@ function facesAround(vertices: number, triangles: Uint32Array): { of: (vertex: n
 }
 
 /** Mean over the faces on the same side of every crease. */
-function mean(around: Uint32Array, face: number, faces: Float32Array, units: Float32Array, interior: Uint8Array): number[] {
-  const sum = [0, 0, 0];
+function mean(around: Uint32Array, face: number, faces: Float32Array, units: Float32Array, interior: Uint8Array, into: number[]): void {
+  into.fill(0);
   for (const other of around) {
     let cosine = 0;
     for (let axis = 0; axis < 3; axis++) cosine += units[3 * face + axis]! * units[3 * other + axis]!;
     if (cosine <= GENTLE || interior[other] !== interior[face]) continue;
-    for (let axis = 0; axis < 3; axis++) sum[axis]! += faces[3 * other + axis]!;
+    for (let axis = 0; axis < 3; axis++) into[axis]! += faces[3 * other + axis]!;
   }
-  const length = Math.hypot(...sum);
-  return length > 0 ? sum.map((part) => part / length) : Array.from(units.subarray(3 * face, 3 * face + 3));
+  const length = Math.hypot(into[0]!, into[1]!, into[2]!);
+  for (let axis = 0; axis < 3; axis++) into[axis] = length > 0 ? into[axis]! / length : units[3 * face + axis]!;
 }
