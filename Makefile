@@ -16,14 +16,18 @@ PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frang
 
 # What `--out FILE.html` writes a recording into.
 PLAYER := python/frangible/player.html
-PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src -type f)
+PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src web/npm/src -type f)
 
 # The engine as a page loads it, and the page.
 ENGINE := web/engine
 VECTORS := +simd128
 PLAYGROUND := web/dist/playground/playground.html
 
-.PHONY: help build web demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
+# The package for npm: the engine, its types, and its view for three.js.
+NPM := web/npm/dist/three.js
+NPM_SOURCES := $(shell find web/npm/src -type f) web/npm/build.mjs web/npm/tsconfig.json web/npm/package.json
+
+.PHONY: help build web npm demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -77,10 +81,12 @@ test-python: build tests/tools/node_modules/.package-lock.json
 	$(BIN)/stubtest frangible._frangible
 	$(BIN)/pytest
 
-test-web: web/node_modules/.package-lock.json $(PLAYGROUND) tests/tools/node_modules/.package-lock.json
+test-web: web/node_modules/.package-lock.json $(PLAYGROUND) $(NPM) tests/tools/node_modules/.package-lock.json
 	cd web && npm test --silent
 
 web: $(PLAYGROUND) ## Build the engine for browsers, and the page to break things in: web/dist/playground
+
+npm: $(NPM) ## Build the package for npm: web/npm, for `npm pack`
 
 # Vectors are tested with the page; this takes minutes to compile, so `make test` leaves it out.
 test-wasm: $(PLAYGROUND) ## Check that WebAssembly without vectors ends in the same states too
@@ -98,7 +104,7 @@ $(BLENDER)/.installed:
 	touch $@
 
 clean: ## Remove what the other targets made
-	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules web/node_modules web/dist web/engine $(PLAYER)
+	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules web/node_modules web/dist web/engine web/npm/dist $(PLAYER)
 
 # The environment may be there already, without pip or without our tools.
 $(VENV)/.tools: pyproject.toml
@@ -134,6 +140,9 @@ $(ENGINE)/engine_bg.wasm: $(RUST_SOURCES)
 
 $(PLAYGROUND): web/node_modules/.package-lock.json $(ENGINE)/engine_bg.wasm $(PLAYER_SOURCES)
 	cd web && npm run playground --silent
+
+$(NPM): web/node_modules/.package-lock.json $(ENGINE)/engine_bg.wasm $(NPM_SOURCES) python/frangible/scene.schema.json
+	cd web && npm run package --silent
 
 $(PLAYER): web/node_modules/.package-lock.json $(PLAYER_SOURCES)
 	cd web && npm run build --silent

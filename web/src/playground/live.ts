@@ -2,25 +2,11 @@
 import { Quaternion, Vector3 } from "three";
 import { TEXELS } from "../poses";
 import type { Body, Footage, Material, Mesh } from "../recording";
-import looks from "./looks.json";
-import { shaded } from "./normals";
-import type { FrameState, NewBody } from "./protocol";
+import { type Finish, type Look, lookOf, tintOf } from "../../npm/src/looks";
+import { shaded } from "../../npm/src/normals";
+import type { NewBody } from "../../npm/src/reader";
+import type { FrameState } from "./protocol";
 
-/** Colours of both sides, and by how much pieces differ. */
-interface Look {
-  outside: Finish;
-  inside: Finish;
-  variation: number;
-}
-
-interface Finish {
-  colour: number[];
-  metallic: number;
-  clear: number;
-}
-
-/** Steps of the two-dimensional golden-ratio sequence, which fills a square evenly. */
-const GOLDEN = [0.7548776662466927, 0.5698402909980532] as const;
 /** Of the first view, in degrees. */
 const FIELD_OF_VIEW = 35;
 /** Towards the eye of the first view. */
@@ -129,11 +115,10 @@ export class LiveFootage implements Footage {
 
   private add(born: NewBody, frame: number): void {
     const parent = this.rows.get(born.parent) ?? -1;
-    const look = this.look(born, parent);
-    const shade = born.parent < 0 ? 1 : 1 + look.variation * (((born.id * GOLDEN[0]) % 1) - 0.53);
-    const warmth = born.parent < 0 ? 0 : 0.3 * look.variation * (((born.id * GOLDEN[1]) % 1) - 0.5);
+    const moves = born.motion === "dynamic" || parent >= 0;
+    const look = lookOf(born.look, moves, this.made.size);
     this.rows.set(born.id, this.bodies.length);
-    this.meshes.push(shaded(born.positions, born.triangles, born.interior));
+    this.meshes.push({ ...shaded(born.positions, born.triangles, born.interior), places: null, colours: null });
     this.bodies.push({
       id: born.id,
       name: born.name,
@@ -144,7 +129,7 @@ export class LiveFootage implements Footage {
       floor: born.triangles.length === 0,
       mesh: this.meshes.length - 1,
       materials: parent >= 0 && born.look === "" ? this.bodies[parent]!.materials : this.sides(born.look || `body ${born.id}`, look),
-      tint: [shade * (1 + warmth), shade, shade * (1 - 1.2 * warmth)],
+      tint: born.parent < 0 ? [1, 1, 1] : tintOf(born.id, look.variation),
       grain: [0, 0, 0, 1],
       pull: [0, 0, 0],
       pose: 0,
@@ -152,18 +137,6 @@ export class LiveFootage implements Footage {
       lead: false,
       yields: false,
     });
-  }
-
-  private look(born: NewBody, parent: number): Look {
-    const own = (looks.looks as Record<string, Look>)[born.look];
-    if (own !== undefined) return own;
-    const moves = born.motion === "dynamic" || parent >= 0;
-    const colour = moves ? looks.outside[this.made.size % looks.outside.length]! : looks.scenery;
-    return {
-      outside: { colour, metallic: 0, clear: 0 },
-      inside: { colour: looks.inside, metallic: 0, clear: 0 },
-      variation: looks.variation,
-    };
   }
 
   /** Materials of both sides, made when they are first needed. */

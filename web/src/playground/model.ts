@@ -1,7 +1,7 @@
 // The parts that need no browser: tests run them in Node.
 export { default as init, World, shotScene } from "../../engine/engine.js";
 export { LiveFootage } from "./live";
-export { shaded } from "./normals";
+export { shaded } from "../../npm/src/normals";
 export { MATERIALS, PATTERNS, SHAPES, sceneOf } from "./recipe";
 export { decode, encode } from "./share";
 export { Simulator, ball } from "./simulator";

@@ -1,4 +1,5 @@
 // What the page and the worker that simulates say to each other.
+import type { WorldState } from "../../npm/src/reader";
 
 /** A body as a scene holds it. */
 export type BodyDesc = Record<string, unknown>;
@@ -28,31 +29,8 @@ export type Order =
   /** Goes back to before the last body that came in. */
   | { kind: "undo" };
 
-/** A body that was not there before. */
-export interface NewBody {
-  id: number;
-  /** Of what it broke off from; -1 for none. */
-  parent: number;
-  name: string;
-  look: string;
-  motion: string;
-  /** [kg] */
-  mass: number;
-  /** In the body's frame [m]; empty for a half-space. */
-  positions: Float32Array;
-  triangles: Uint32Array;
-  /** 1 where a crack made a triangle. */
-  interior: Uint8Array;
-}
-
 /** State of a world after a frame. */
-export interface FrameState {
-  frame: number;
-  /** Living bodies, in order of birth. */
-  ids: Float64Array;
-  /** Seven numbers each: x, y, z [m], and a quaternion x, y, z, w. */
-  poses: Float32Array;
-  born: NewBody[];
+export interface FrameState extends WorldState {
   /** Of the step [ms]. */
   duration: number;
   /** Of all dynamic bodies [J]. */

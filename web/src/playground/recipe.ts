@@ -1,5 +1,5 @@
 // Scenes from what somebody chooses in the playground.
-import materials from "./materials.json";
+import materials from "../../npm/src/materials.json";
 import type { BodyDesc } from "./protocol";
 
 export type MaterialName = keyof typeof materials.presets;

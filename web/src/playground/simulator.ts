@@ -1,6 +1,7 @@
 // A world and its story: what a worker does with what the page orders. Needs no browser.
 import { type Snapshot, World } from "../../engine/engine.js";
-import type { Action, BodyDesc, FrameState, NewBody, Order, Story, Told } from "./protocol";
+import { WorldReader } from "../../npm/src/reader";
+import type { Action, BodyDesc, Order, Story, Told } from "./protocol";
 
 /** World before each action that can be undone. */
 interface Before {
@@ -15,7 +16,7 @@ const MOST_UNDOS = 50;
 export class Simulator {
   private world: World | null = null;
   private story: Story = { scene: "", actions: [] };
-  private known = new Set<number>();
+  private reader = new WorldReader();
   private undos: Before[] = [];
 
   constructor(private readonly tell: (told: Told) => void) {}
@@ -52,7 +53,7 @@ export class Simulator {
     const world = new World(story.scene);
     this.world?.free();
     for (const undo of this.undos) undo.snapshot.free();
-    [this.world, this.known, this.undos] = [world, new Set(), []];
+    [this.world, this.reader, this.undos] = [world, new WorldReader(), []];
     this.story = { scene: story.scene, actions: [] };
     this.tell({ kind: "built", framesPerSecond: Math.round(1 / world.dt), story });
     this.show(0);
@@ -74,7 +75,7 @@ export class Simulator {
 
   private add(action: Action): void {
     const world = this.needed();
-    const before = { frame: world.frame, snapshot: world.snapshot(), known: new Set(this.known) };
+    const before = { frame: world.frame, snapshot: world.snapshot(), known: new Set(this.reader.known) };
     world.addBody(JSON.stringify(action.add));
     this.undos.push(before);
     if (this.undos.length > MOST_UNDOS) this.undos.shift()!.snapshot.free();
@@ -86,43 +87,18 @@ export class Simulator {
     if (before === undefined) return;
     this.needed().restore(before.snapshot);
     before.snapshot.free();
-    this.known = before.known;
+    this.reader.known = before.known;
     this.story = { ...this.story, actions: this.story.actions.slice(0, -1) };
     this.tell({ kind: "undone", frame: before.frame + 1, story: this.story });
   }
 
   private show(duration: number): void {
     const world = this.needed();
-    const ids = world.ids();
-    const masses = world.masses();
-    const born: NewBody[] = [];
-    ids.forEach((id, row) => {
-      if (this.known.has(id)) return;
-      this.known.add(id);
-      born.push(newBody(world, id, masses[row]!));
-    });
     const [kinetic, potential] = world.energy();
     const energy = kinetic! + potential!;
-    const state: FrameState = { frame: world.frame, ids, poses: world.poses(), born, duration, energy, hash: world.stateHash() };
-    this.tell({ kind: "frame", state });
+    const state = this.reader.read(world);
+    this.tell({ kind: "frame", state: { ...state, duration, energy, hash: world.stateHash() } });
   }
-}
-
-function newBody(world: World, id: number, mass: number): NewBody {
-  const surface = world.surface(id);
-  const body = {
-    id,
-    parent: world.parent(id) ?? -1,
-    name: world.name(id),
-    look: world.look(id) ?? "",
-    motion: world.motion(id),
-    mass,
-    positions: surface.positions(),
-    triangles: surface.triangles(),
-    interior: surface.interior(),
-  };
-  surface.free();
-  return body;
 }
 
 /** A ball that somebody throws. */

@@ -1,4 +1,4 @@
-"""What the playground knows of materials and looks is what the package does."""
+"""What pages know of materials and looks is what the package does."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import pytest
 from frangible.material_presets import PRESETS
 from frangible.materials import INSIDE, LOOKS, OUTSIDE, SCENERY
 
-PLAYGROUND = Path(__file__).parents[2] / "web" / "src" / "playground"
-pytestmark = pytest.mark.skipif(not PLAYGROUND.is_dir(), reason="no sources of the page")
+TABLES = Path(__file__).parents[2] / "web" / "npm" / "src"
+pytestmark = pytest.mark.skipif(not TABLES.is_dir(), reason="no sources of the page")
 
 
 def test_looks_are_those_of_pictures() -> None:
-    table = json.loads((PLAYGROUND / "looks.json").read_text())
+    table = json.loads((TABLES / "looks.json").read_text())
     sides = ("colour", "metallic", "clear")
     looks = {
         name: {
@@ -31,7 +31,7 @@ def test_looks_are_those_of_pictures() -> None:
 
 
 def test_materials_are_the_presets() -> None:
-    table = json.loads((PLAYGROUND / "materials.json").read_text())
+    table = json.loads((TABLES / "materials.json").read_text())
     assert table["presets"] == PRESETS
     named = {preset["strength"] for preset in PRESETS.values() if "strength" in preset}
     assert set(table["strengths"]) == named
