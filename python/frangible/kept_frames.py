@@ -134,7 +134,7 @@ def read_folder(path: str) -> Recording:
     journal = journal_of(path)
     first = next(read_journal(journal), None) if os.path.isfile(journal) else None
     if first is None or first.kind != "run":
-        raise CacheError(f"{path}: is not the folder of a run")
+        raise CacheError(f"{path}: is a folder, must be a file or the .part folder of a run")
     length = 0
     for record in read_journal(journal):
         # Bodies without their frame are not yet seen.

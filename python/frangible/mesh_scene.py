@@ -13,6 +13,7 @@ from . import _frangible
 from ._frangible import BuildError
 from .first_touch import first_touch
 from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, readable_mesh
+from .io.reading import file_fault
 from .material_presets import PRESETS
 from .recording import Float64
 from .scene_types import Body, Bonds, Breaking, HalfSpace, Mesh, SceneDesc, Sphere, Starts
@@ -103,6 +104,8 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
 
 
 def _check(name: str, wishes: Wishes) -> None:
+    if not name.lower().endswith(USD_ENDINGS) and (fault := file_fault(name)):
+        raise BuildError(f"{name}: {fault}")
     if wishes.ball is None:
         needing: dict[str, Any] = {"from": wishes.origin, "hit_at_frame": wishes.hit_at_frame}
         for option, given in needing.items():

@@ -184,7 +184,7 @@ def test_arrays_in_parts_are_arrays(tmp_path: Path) -> None:
 def test_a_folder_that_is_none_of_ours_says_so(name: str, tmp_path: Path) -> None:
     if name:
         (tmp_path / name).write_bytes(b"no records")
-    with pytest.raises(CacheError, match="is not the folder of a run"):
+    with pytest.raises(CacheError, match="must be a file or the .part folder"):
         Recording.load(tmp_path)
 
 

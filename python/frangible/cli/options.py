@@ -35,6 +35,11 @@ class BadArguments(Exception):
 class Parser(argparse.ArgumentParser):
     """Answers bad arguments with one sentence, which asks for the nearest word that it knows."""
 
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        # Places as -3,0,2 are values, not options.
+        self._negative_number_matcher = re.compile(r"-[\d.][\d.,eE+-]*$")
+
     def error(self, message: str) -> NoReturn:
         raise BadArguments(f"{self.prog}: {message}{self._rule(message)}")
 
