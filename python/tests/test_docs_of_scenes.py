@@ -4,6 +4,7 @@ import re
 import shlex
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import frangible
 import pytest
@@ -68,6 +69,16 @@ def test_what_waits_in_the_docs_does(tmp_path: Path) -> None:
     # It flies for 0.7 m, at 9 m/s.
     assert broken["frame"] == vase.death_frame == 13
     assert (vase.positions == vase.positions[0]).all()
+
+
+def test_what_the_docs_throw_breaks_the_wall(monkeypatch: pytest.MonkeyPatch) -> None:
+    (script,) = blocks("docs/direction.md", "python")
+    monkeypatch.chdir(ROOT)
+    names: dict[str, Any] = {}
+    exec(script, names)
+    world = names["world"]
+    assert names["thrown"] not in world.ids
+    assert len(world.ids) > 10
 
 
 def test_materials_of_the_docs_build() -> None:
