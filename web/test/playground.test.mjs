@@ -49,7 +49,7 @@ after(async () => {
 
 /** A page of its own, whose faults fail the test. */
 async function open(hash = "") {
-  const page = await browser.newPage({ viewport: { width: 640, height: 400 } });
+  const page = await browser.newPage({ viewport: { width: 480, height: 300 } });
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.message));
   page.on("console", (message) => message.type() === "error" && page.faults.push(message.text()));
@@ -81,7 +81,7 @@ test("a visitor sees a wall that breaks, throws a ball, undoes it, and shares th
   const count = (found) => Number(found.bodies);
   await page.click("#play");
   const before = await until(page, ({ busy }) => busy === "0");
-  await page.mouse.click(320, 180);
+  await page.mouse.click(240, 130);
   await until(page, ({ bodies }) => Number(bodies) > count(before));
   await page.keyboard.press("u");
   await until(page, ({ bodies }) => Number(bodies) === count(before));
