@@ -1,8 +1,8 @@
 //! Breaking a body of convex polyhedra within a reach: a crater, and a rest that stays whole.
 //!
-//! What lies in the crater comes loose in pieces, as all of a body does otherwise. What remains is
-//! not convex: it is a compound of the parts that the crater's facets, or the pattern's cells, cut
-//! the body into, and more than one if it is not connected. Everything is exact.
+//! The crater comes loose in pieces, as all of a body does otherwise. The rest is not convex: it is
+//! a compound of the parts that the crater's facets, or the pattern's cells, cut the body into, and
+//! more than one if it is not connected. Everything is exact.
 
 use crate::align::Impact;
 use crate::fragment::Fragment;

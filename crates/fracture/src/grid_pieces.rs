@@ -27,7 +27,7 @@ pub(crate) struct GridPieces {
     parts: Vec<(Portion, Vec<u32>)>,
 }
 
-/// What the pieces are made from.
+/// Arguments of [`GridPieces::cut`]: a snapshot holds them, and cuts anew.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Cut {
     #[serde(with = "frangible_math::shared")]

@@ -25,7 +25,7 @@ const MARGIN: f64 = 3.0;
 /// single-precision numbers.
 const ON_THE_BOX: f64 = 1e-5;
 
-/// What a pattern without meshes is told.
+/// Error of a pattern without meshes.
 const EMPTY: &str = "has no cells, must have at least 1";
 
 /// Closed meshes, one per cell.

@@ -40,7 +40,7 @@ pub struct Prescored {
     pub(crate) contacts: Option<Vec<Interface>>,
 }
 
-/// What pieces are made of.
+/// Shapes of the pieces.
 #[derive(Clone, Debug)]
 pub(crate) enum Forms {
     /// In the frame of the body's grid.

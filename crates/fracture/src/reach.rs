@@ -43,8 +43,8 @@ const RAGGED: f64 = 0.25;
 /// them fast. The bowl is half as deep as it is wide from the blow to its rim.
 const IN_FRONT: f64 = 0.6;
 
-/// What stands out in front of the blow comes loose up to this part of the reach, as where a body
-/// is struck at a slant or in a hollow; there it is up to 1.4 times as far from the blow.
+/// Part of the reach up to which material in front of the blow comes loose, as where a body is
+/// struck at a slant or in a hollow; there it is up to 1.4 times as far from the blow.
 const STANDS_OUT: f64 = 0.25;
 
 /// Turn from facet to facet: the golden angle spreads them evenly.

@@ -1,4 +1,4 @@
-// What bodies look like: colours of their outside and of what cracks made.
+// Looks of bodies: colours of their outside and of what cracks made.
 import looks from "./looks.json";
 
 /** Colours of both sides, and by how much pieces differ. */

@@ -1,4 +1,4 @@
-// What both doors lead to.
+// Exports of both entries, for browsers and for Node.
 import { World as Engine, shotScene as shotText } from "./engine.js";
 import type { BodyDesc, SceneDesc } from "./scene";
 

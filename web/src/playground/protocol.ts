@@ -1,4 +1,4 @@
-// What the page and the worker that simulates say to each other.
+// Messages between the page and the worker that simulates.
 import type { WorldState } from "../../npm/src/reader";
 
 /** A body as a scene holds it. */

@@ -24,7 +24,7 @@ pub(crate) fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method
     }
 }
 
-/// What breaks moves by itself, and is of one strength in the paper's method.
+/// A breakable body moves by itself, and is of one strength in the paper's method.
 pub(crate) fn check_breaking(
     desc: &BodyDesc,
     breaking: Option<&Breaking>,

@@ -93,7 +93,7 @@ impl PatternChoice {
     }
 }
 
-/// What a snapshot holds: the description, for a generator makes the same pattern again, and a
+/// Form of the choice in a snapshot: the description, for a generator makes the same pattern again, and a
 /// pattern that came from a file.
 #[derive(Clone, Serialize, Deserialize)]
 struct ChoiceRecord {

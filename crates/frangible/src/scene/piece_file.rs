@@ -16,7 +16,7 @@ pub(crate) struct PieceFile {
     pub(crate) contacts: Option<Vec<Interface>>,
 }
 
-/// What a break's report says of its pieces; other fields are for people.
+/// Pieces in the report of `frangible break`; other fields are for people.
 #[derive(Deserialize)]
 struct Report {
     pieces: Vec<PieceRecord>,
