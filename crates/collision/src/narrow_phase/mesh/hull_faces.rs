@@ -97,6 +97,11 @@ impl Corner<'_> {
             if start > near && end > 0.0 || is_inside && !is_towards {
                 continue;
             }
+            // A face is met from behind only by what overlaps the hull at the start.
+            let stays_behind = start.max(end) < -self.motion.thin;
+            if stays_behind && !(is_inside && is_first) {
+                continue;
+            }
             let Some(sweep) = self.sweep(&face, way, is_inside && is_first) else { continue };
             let outward = mesh_from_body.direction(face.plane.normal);
             if !self.motion.mesh.is_peak(self.vertex, -outward, RISES) {
