@@ -33,6 +33,7 @@ from .scene_lines import FileScene, with_line
 from .scene_looks import without_own_looks
 from .scene_materials import has_materials, with_materials
 from .scene_python import python_scene
+from .scene_rate import set_rate
 from .words import shown
 
 #: A scene as `docs/scene_format.md` describes it.
@@ -285,14 +286,7 @@ def find_scene(
         source = source.to_dict()
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
     if fps is not None:
-        # It lasts as long as before.
-        if isinstance(scene.get("frames"), int) and isinstance(
-            rate := scene.get("frames_per_second", 30.0), (int, float)
-        ):
-            scene["frames"] = (
-                max(1, math.ceil(scene["frames"] * fps / rate)) if rate > 0 else scene["frames"]
-            )
-        scene["frames_per_second"] = fps
+        set_rate(scene, fps)
     if method is not None:
         scene["method"] = method
     _set_pieces(scene, pieces)
