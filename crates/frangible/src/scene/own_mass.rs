@@ -65,16 +65,17 @@ pub(crate) fn with_own_mass(
     }
 }
 
-/// Inside, so that what is found from there is: a hull must hold it, other shapes' bounds must.
+/// No farther from the shape's bounds than they are long: a load on a stick may be outside, and a
+/// radius far above the size would make all turns look fast.
 fn check_center(shape: &Shape, center: DVec3, at: &Checker) -> Result<(), BuildError> {
     let center_body = shape.body_from_grid.point(center);
     let (low, high) = shape.bounds;
-    let is_within = center_body.cmpge(low).all() && center_body.cmple(high).all();
-    let is_inside = shape.hull.is_none() || shape.distance_and_gradient(center_body).0 < 0.0;
-    if is_within && is_inside {
+    let most = DVec3::splat((high - low).max_element());
+    if center_body.cmpge(low - most).all() && center_body.cmple(high + most).all() {
         return Ok(());
     }
-    Err(at.field("center").broken(&format!("{:?}", center.to_array()), "inside the shape"))
+    let rule = "no farther from the shape than that is long";
+    Err(at.field("center").broken(&format!("{:?}", center.to_array()), rule))
 }
 
 /// Inertia tensor about the centre of mass, in the shape's frame [kg m^2].

@@ -12,7 +12,8 @@ pub struct MassDesc {
     /// Instead of the density's [kg].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// Inside the shape, in its frame [m]; of a round shape its own, the middle.
+    /// In the shape's frame [m], no farther from the shape than that is long; of a round shape its
+    /// own, the middle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center: Option<[f64; 3]>,
     /// Principal moments of inertia about the centre of mass, each > 0 and at most the sum of the
