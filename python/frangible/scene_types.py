@@ -332,7 +332,8 @@ class Mass(Description):
     _: KW_ONLY
     #: Instead of the density's [kg].
     mass: float | None = None
-    #: Inside the shape, in its frame [m]; of a round shape its own, the middle.
+    #: In the shape's frame [m], at most ten times its length outside; of a round shape its own, the
+    #: middle.
     center: Numbers | None = None
     #: Principal moments of inertia about the centre of mass, each > 0 and at most the sum of the
     #: other two [kg m^2]. Without them, those of the shape about that centre.

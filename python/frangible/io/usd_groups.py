@@ -54,14 +54,14 @@ def _add_collision_groups(
     prims = [prim for prim in _all_prims(stage) if prim.IsA(UsdPhysics.CollisionGroup)]
     if not prims:
         return
-    # The library knows what merging and inverting make of them.
-    table = UsdPhysics.CollisionGroup.ComputeCollisionGroupTable(stage)
-    members = {}
-    for prim in prims:
-        collection = UsdPhysics.CollisionGroup(prim).GetCollidersCollectionAPI()
-        members[prim.GetPath()] = collection.ComputeMembershipQuery()
+    labels = {prim.GetPath(): _label(prim) for prim in prims}
+    passing = _passing(prims, labels, notes)
+    queries = [
+        UsdPhysics.CollisionGroup(prim).GetCollidersCollectionAPI().ComputeMembershipQuery()
+        for prim in prims
+    ]
     for index, body in enumerate(bodies):
-        for path, query in members.items():
+        for prim, query in zip(prims, queries, strict=True):
             inside = [
                 query.IsPathIncluded(collider.prim.GetPath())
                 or query.IsPathIncluded(body.prim.GetPath())
@@ -71,10 +71,31 @@ def _add_collision_groups(
                 continue
             if not all(inside):
                 notes.add("collision group of a part of a body", body.name, "is the whole body's")
-            groups[index].append(str(path))
-            passes[index] += [
-                str(other) for other in members if not table.IsCollisionEnabled(path, other)
-            ]
+            own = labels[prim.GetPath()]
+            groups[index].append(own)
+            passes[index] += [other for group, other in passing if group == own]
+
+
+def _label(prim: Any) -> str:
+    """Groups that are merged have one name."""
+    merged = UsdPhysics.CollisionGroup(prim).GetMergeGroupNameAttr().Get()
+    return str(merged or prim.GetPath())
+
+
+def _passing(prims: list[Any], labels: dict[Any, str], notes: Notes) -> list[tuple[str, str]]:
+    """Groups, and those that they pass through. The library's own table takes a target that is not
+    there for its first group."""
+    found: list[tuple[str, str]] = []
+    for prim in prims:
+        group = UsdPhysics.CollisionGroup(prim)
+        targets = group.GetFilteredGroupsRel().GetForwardedTargets()
+        if any(target not in labels for target in targets):
+            notes.add("filtered group that is not there", prim.GetPath())
+        through = {labels[target] for target in targets if target in labels}
+        if group.GetInvertFilteredGroupsAttr().Get():
+            through = set(labels.values()) - through
+        found += [(labels[prim.GetPath()], other) for other in sorted(through)]
+    return found
 
 
 def _add_filtered_pairs(

@@ -50,9 +50,11 @@ def own_mass(
             turn = [*axes.GetImaginary(), axes.GetReal()]
             in_world = rotation_of(turn) @ frame_of(body.world).rotation
             own["axes"] = quaternion(in_world @ shape.rotation.T)
-    if _is_even(fields, own, place):
+    if place is not None and _is_middle(fields["shape"], place):
+        del own["center"]
+    if not own:
         return None
-    what = "inertia of its own" if center is None else "centre of mass of its own"
+    what = "centre of mass of its own" if "center" in own else "inertia of its own"
     local = (corners - shape.origin) @ shape.rotation.T
     if (reason := _refusal(fields, own, local)) is not None:
         notes.add(what, body.name, f"{_INSTEAD}: {reason}")
@@ -98,16 +100,15 @@ def _said(prim: Any) -> tuple[Float64 | None, Float64 | None]:
     return center, moments if moments is not None and moments.any() else None
 
 
-def _is_even(fields: dict[str, Any], own: dict[str, Any], place: Float64 | None) -> bool:
-    """True if there is a centre of mass alone, and it is the shape's, as far as that is known
-    without sampling it."""
-    if "moments" in own or place is None or fields["shape"]["kind"] in ("mesh", "triangles"):
+def _is_middle(shape: dict[str, Any], place: Float64) -> bool:
+    """True if a centre of mass is the shape's, as far as that is known without sampling it."""
+    if shape["kind"] == "mesh":
         return False
     try:
-        found = _frangible.World.build({"bodies": [{"shape": fields["shape"]}]}, 1)
+        found = _frangible.World.build({"bodies": [{"shape": shape}]}, 1)
     except _frangible.BuildError:
         return False
-    size = float(found.masses[0] / 2400.0) ** (1.0 / 3.0)
+    size = float(found.volumes[0]) ** (1.0 / 3.0)
     off = np.abs(found.positions[0] - place).max()
     return bool(off <= NEAR * max(size, np.abs(place).max()))
 

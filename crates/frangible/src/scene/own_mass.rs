@@ -14,6 +14,8 @@ const ROUNDING: f64 = 1e-6;
 /// Off-diagonal moments below this part of the largest are rounding [1]; with them a body of
 /// revolution would lose its axis.
 const DIAGONAL: f64 = 1e-7;
+/// Lengths of a shape that its centre of mass may be outside of its bounds [1].
+const MOST_OFFSET: f64 = 10.0;
 
 /// The shape and the density [kg/m^3] with the mass properties that a body has of its own, if it
 /// has any.
@@ -65,16 +67,16 @@ pub(crate) fn with_own_mass(
     }
 }
 
-/// No farther from the shape's bounds than they are long: a load on a stick may be outside, and a
+/// Near the shape: a load on a stick may be outside, but a
 /// radius far above the size would make all turns look fast.
 fn check_center(shape: &Shape, center: DVec3, at: &Checker) -> Result<(), BuildError> {
     let center_body = shape.body_from_grid.point(center);
     let (low, high) = shape.bounds;
-    let most = DVec3::splat((high - low).max_element());
+    let most = DVec3::splat(MOST_OFFSET * (high - low).max_element());
     if center_body.cmpge(low - most).all() && center_body.cmple(high + most).all() {
         return Ok(());
     }
-    let rule = "no farther from the shape than that is long";
+    let rule = "no farther from the shape than ten times its length";
     Err(at.field("center").broken(&format!("{:?}", center.to_array()), rule))
 }
 

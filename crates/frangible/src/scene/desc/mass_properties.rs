@@ -12,7 +12,7 @@ pub struct MassDesc {
     /// Instead of the density's [kg].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mass: Option<f64>,
-    /// In the shape's frame [m], no farther from the shape than that is long; of a round shape its
+    /// In the shape's frame [m], at most ten times its length outside; of a round shape its
     /// own, the middle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub center: Option<[f64; 3]>,
