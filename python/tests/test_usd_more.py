@@ -1,5 +1,5 @@
-"""What else stages say of bodies: masses of their own, groups that pass through each other, strength
-at vertices, and poses between frames."""
+"""What else stages say of bodies: masses of their own, groups that pass through each other,
+strength at vertices, and poses between frames."""
 
 import json
 import warnings

@@ -29,6 +29,8 @@ from ..spool import Spool
 
 Json = dict[str, Any]
 
+#: The extension that holds light brighter than 1.
+_EMISSION = "KHR_materials_emissive_strength"
 #: Generator name in our files.
 GENERATOR = "Frangible"
 
@@ -83,10 +85,6 @@ def write_pieces(pieces: Pieces, path: str) -> None:
             gltf.write_text(file)
 
 
-#: The extension that holds light brighter than 1.
-_EMISSION = "KHR_materials_emissive_strength"
-
-
 def _sampler(sampler: Sampler) -> Json | None:
     """As glTF writes it; `None` for its defaults."""
     if sampler == Sampler():
@@ -120,8 +118,7 @@ class _Gltf:
         self.channels: list[Json] = []
         self.samplers: list[Json] = []
         self.parts = [Spool(folder) for _ in range(6)]
-        # Equal shapes share a mesh, equal times an accessor, equal images a texture. What is large
-        # is known by its digest.
+        # Equal shapes share a mesh, equal times an accessor (both by digests), images a texture.
         self.meshes: dict[bytes, int] = {}
         self.times: dict[bytes, int] = {}
         self.textures: dict[Image, int] = {}
@@ -258,7 +255,7 @@ class _Gltf:
         digest = hashlib.sha256(struct.pack("<I", groups[0][0]))
         for array in arrays:
             digest.update(struct.pack("<Q", array.nbytes))
-            digest.update(np.ascontiguousarray(array))
+            digest.update(array.tobytes())
         key = digest.digest()
         if key in self.meshes:
             return self.meshes[key]
@@ -323,7 +320,7 @@ class _Gltf:
         interpolation: str,
     ) -> None:
         times = (frames / self.fps).astype(np.float32)
-        key = hashlib.sha256(times).digest()
+        key = hashlib.sha256(times.tobytes()).digest()
         if key not in self.times:
             self.times[key] = self.add_accessor(_MOTION, times, bounds=True)
         output = self.add_accessor(_MOTION, values)
@@ -401,20 +398,3 @@ class _Gltf:
             document["buffers"] = [{"byteLength": size}]
             document["bufferViews"] = views
         return document, size
-
-
-def describe_glb(path: str) -> dict[str, object] | None:
-    """Shot, frames, frame rate and bodies of a cache that `write_glb` wrote; `None` for any other
-    file."""
-    with open(path, "rb") as file:
-        header = file.read(20)
-        if len(header) < 20 or header[:4] != b"glTF":
-            return None
-        try:
-            document = json.loads(file.read(struct.unpack("<I", header[12:16])[0]))
-        except ValueError:
-            return None
-    if not isinstance(document, dict) or document.get("asset", {}).get("generator") != GENERATOR:
-        return None
-    bodies = sum(len(node.get("children", ())) for node in document["nodes"])
-    return {**document["asset"]["extras"], "bodies": bodies}

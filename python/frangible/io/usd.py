@@ -203,6 +203,13 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
             mesh.CreateDoubleSidedAttr(True)
     low, high = body.vertices.min(axis=0).tolist(), body.vertices.max(axis=0).tolist()
     mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
+    _add_primvars(mesh, body)
+    _bind_materials(mesh, body, palette)
+    return mesh
+
+
+def _add_primvars(mesh: Any, body: Body) -> None:
+    """Normals, texture coordinates and colours of a body's corners."""
     shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
     primvars = UsdGeom.PrimvarsAPI(mesh)
     normals = primvars.CreatePrimvar(
@@ -233,11 +240,13 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
             opacity = mesh.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.faceVarying)
             opacity.Set(Vt.FloatArray.FromNumpy(colours[:, 3].copy()))
 
-    # Crack faces have a material of their own, and the original surface keeps the
-    # mesh's; a subset for each.
+
+def _bind_materials(mesh: Any, body: Body, palette: Palette[Any]) -> None:
+    """Crack faces have a material of their own, and the original surface keeps the mesh's; a subset
+    for each."""
     groups = palette.groups(body)
     if not groups:
-        return mesh
+        return
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(groups[0][0])
     if len(groups) > 1:
         outer = sum(not is_inside for _, _, is_inside in groups)
@@ -256,7 +265,6 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
                 UsdGeom.Tokens.face,
             )
             UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
-    return mesh
 
 
 def describe_usd(path: str) -> dict[str, object] | None:

@@ -7,8 +7,12 @@ from contextlib import suppress
 
 #: How USD says it: in the sentence of its parser, or of that of earlier versions.
 _PLACES = (
-    re.compile(r"'(?P<file>[^'\n]+?):(?P<line>\d+):\d+: (?P<what>[^\n]*?)(?: in <[^>\n]*>)?$", re.M),
-    re.compile(r"(?P<what>[^\n']*?)(?: in <[^>\n]*>)? on line (?P<line>\d+) in file (?P<file>[^\n]+)"),
+    re.compile(
+        r"'(?P<file>[^'\n]+?):(?P<line>\d+):\d+: (?P<what>[^\n]*?)(?: in <[^>\n]*>)?$", re.MULTILINE
+    ),
+    re.compile(
+        r"(?P<what>[^\n']*?)(?: in <[^>\n]*>)? on line (?P<line>\d+) in file (?P<file>[^\n]+)"
+    ),
 )
 #: A longer line is cut [columns].
 WIDTH = 96

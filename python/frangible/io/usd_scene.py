@@ -233,9 +233,9 @@ class _Importer:
             self._add_density(fields, body, fits, shape, "material" in fracture)
             corners = np.concatenate([one.corners() for one in fits])
             add_vertex_strength(fracture, body, frame, self.path, self.time, self.notes)
-            own = own_mass({**fields, **fracture}, body, frame, corners, self.units, self.notes)
-            if own is not None:
-                fields["mass_properties"] = own
+            said = {**fields, **fracture}
+            if masses := own_mass(said, body, frame, corners, self.units, self.notes):
+                fields["mass_properties"] = masses
         elif body.motion == "kinematic" or is_animated(body.prim):
             self._add_poses(fields, body, frame, own)
         self._add_surface(fields, body, "material" in fracture)

@@ -58,6 +58,7 @@ impl World {
             contact_cache: ContactCache::default(),
             fits: BirthFits::default(),
             spared: Vec::new(),
+            note: String::new(),
             clock: None,
         };
         let mut library = ShapeLibrary::default();
