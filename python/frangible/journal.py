@@ -20,7 +20,6 @@ from __future__ import annotations
 
 import json
 import math
-import mmap
 import os
 import struct
 import zlib
@@ -46,7 +45,7 @@ class Record:
 
     kind: str
     fields: dict[str, Any]
-    #: Views of the file's bytes.
+    #: Views of the bytes that were read.
     arrays: dict[str, Array]
     #: Where it ends in its file.
     end: int
@@ -105,31 +104,38 @@ class Journal:
 def read_journal(path: str, end: int | None = None) -> Iterator[Record]:
     """All whole records of a file, up to ``end``; the first that is cut off or damaged ends it.
 
-    The arrays are views of the file as it is now: a file may only grow while they are used.
+    One record is in memory at a time.
     """
-    with open(path, "rb") as file:
-        if os.fstat(file.fileno()).st_size == 0:
-            return
-        data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    place, end = 0, len(data) if end is None else min(end, len(data))
-    while (record := _record(data, place, end)) is not None:
-        yield record
-        place = record.end
+    with open(path, "rb", buffering=0) as file:
+        size = os.fstat(file.fileno()).st_size
+        place, end = 0, size if end is None else min(end, size)
+        while (record := _record(file.fileno(), place, end)) is not None:
+            yield record
+            place = record.end
 
 
-def _record(data: mmap.mmap, place: int, end: int) -> Record | None:
+def record_at(path: str, place: int) -> Record:
+    """The record that begins there; `ValueError` if none does."""
+    with open(path, "rb", buffering=0) as file:
+        record = _record(file.fileno(), place, os.fstat(file.fileno()).st_size)
+    if record is None:
+        raise ValueError(f"{path}: has no record at {place}")
+    return record
+
+
+def _record(file: int, place: int, end: int) -> Record | None:
     if end - place < _HEAD.size:
         return None
-    mark, head, body, checksum = _HEAD.unpack_from(data, place)
+    mark, head, body, checksum = _HEAD.unpack(os.pread(file, _HEAD.size, place))
     first = place + _HEAD.size
     past = first + head + body
     if mark != _MARK or past > end:
         return None
-    view = memoryview(data)
-    if zlib.crc32(view[first:past]) != checksum:
+    data = os.pread(file, head + body, first)
+    if len(data) != head + body or zlib.crc32(data) != checksum:
         return None
-    fields = json.loads(bytes(view[first : first + head]))
-    arrays, place = {}, first + head
+    fields = json.loads(data[:head])
+    arrays, place = {}, head
     for name, dtype, shape in fields.pop("arrays"):
         kind = np.dtype(dtype)
         arrays[name] = np.frombuffer(data, kind, math.prod(shape), place).reshape(shape)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -75,7 +75,7 @@ class Frames(Protocol):
     def bodies(self) -> Iterator[SeenBody]:
         """In order of appearance."""
 
-    def reports(self) -> Iterator[StepReport]:
+    def reports(self) -> Sequence[StepReport]:
         """In order of their frames."""
 
     def paths(self) -> dict[int, Path]:
@@ -114,9 +114,9 @@ class Memory:
         """See `Store`."""
         return iter(self._bodies)
 
-    def reports(self) -> Iterator[StepReport]:
+    def reports(self) -> Sequence[StepReport]:
         """See `Store`."""
-        return iter(self._reports)
+        return list(self._reports)
 
     def paths(self) -> dict[int, Path]:
         """See `Store`."""
@@ -311,4 +311,4 @@ def assemble(
         )
     shot, method, fps = named
     bodies.sort(key=lambda body: (body.birth_frame, body.id))
-    return Recording(shot, method, fps, known.steps, bodies, list(frames.reports()))
+    return Recording(shot, method, fps, known.steps, bodies, frames.reports())

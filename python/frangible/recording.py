@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -116,8 +116,9 @@ class Recording:
     frames: int
     #: Sorted by birth, then by id.
     bodies: list[Body]
-    #: One report for every step, as `World.step` gave it.
-    reports: list[StepReport] = field(default_factory=list)
+    #: One report for every step, as `World.step` gave it; of a run that is kept on a disk they stay
+    #: there.
+    reports: Sequence[StepReport] = field(default_factory=list)
     #: Axes, unit and times that USD is written in: those of the stage that the scene came from.
     #: Everything here is in metres, y up.
     convention: Convention = Convention()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from typing import Any
 
 from ._frangible import BuildError
@@ -25,6 +26,12 @@ def has_materials(scene: Any) -> bool:
         isinstance(bodies, list)
         and any(isinstance(body, dict) and "material" in body for body in bodies)
     )
+
+
+def scene_materials_text(scene: dict[str, Any]) -> str:
+    """The materials of the scene's own as JSON; empty without any."""
+    own = scene.get("materials")
+    return json.dumps(own) if own else ""
 
 
 def with_materials(scene: dict[str, Any]) -> dict[str, Any]:

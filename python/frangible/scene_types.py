@@ -325,6 +325,26 @@ class Starts(Description):
 
 
 @dataclass(slots=True)
+class Mass(Description):
+    """Mass, centre of mass and inertia of a body that is not filled evenly: hollow, loaded, or
+    stood in for by a simple shape. What is left out follows from the shape and the density."""
+
+    _: KW_ONLY
+    #: Instead of the density's [kg].
+    mass: float | None = None
+    #: In the shape's frame [m], at most ten times its length outside; of a round shape its own, the
+    #: middle.
+    center: Numbers | None = None
+    #: Principal moments of inertia about the centre of mass, each > 0 and at most the sum of the
+    #: other two [kg m^2]. Without them, those of the shape about that centre.
+    moments: Numbers | None = None
+    #: Quaternion x, y, z, w that takes the axes of the moments to the shape's frame; need not be of
+    #: unit length. One of a cylinder's, a capsule's and a cone's lies along its y axis. Without it
+    #: [0.0, 0.0, 0.0, 1.0].
+    axes: Numbers | None = None
+
+
+@dataclass(slots=True)
 class Strength(Description):
     """Fracture properties of a material. The energy of a blow limits its number of pieces: cracks
     take their energy from the bodies' relative motion."""
@@ -698,6 +718,12 @@ class Body(Description):
     starts: Starts | None = None
     #: From 1e-6 to 1e9 [kg/m^3]. Without it 2400.0.
     density: float | None = None
+    #: Of a body that is not filled evenly; a dynamic one that neither breaks nor is glued.
+    mass_properties: Mass | None = None
+    #: Names of the groups that it is in, for `passes_through` of others; its pieces are too.
+    groups: list[str] | None = None
+    #: Groups whose bodies it does not collide with, nor they with it; its pieces do not either.
+    passes_through: list[str] | None = None
     #: Coulomb's coefficient; a pair has the smaller of its two. Without it 0.5.
     friction: float | None = None
     #: Largest torque against rolling per normal force [m], in the frame-rate method; a pair has the

@@ -31,8 +31,9 @@ from .mesh_scene import UNITS, Wishes, mesh_scene
 from .scene_fields import set_field
 from .scene_lines import FileScene, with_line
 from .scene_looks import without_own_looks
-from .scene_materials import has_materials, with_materials
+from .scene_materials import has_materials, scene_materials_text, with_materials
 from .scene_python import python_scene
+from .scene_rate import set_rate
 from .words import shown
 
 #: A scene as `docs/scene_format.md` describes it.
@@ -94,9 +95,18 @@ def as_dict(scene: Any) -> Any:
     return scene.to_dict() if isinstance(scene, Description) else scene
 
 
-def scene_of(body: Any) -> Scene:
-    """A scene that holds only a body, a `Body` or a dictionary."""
-    return {"bodies": [as_dict(body)]}
+def scene_of(body: Any, materials_text: str = "") -> Scene:
+    """A scene that holds only a body, a `Body` or a dictionary, with the materials of another scene
+    as JSON."""
+    scene: Scene = {"bodies": [as_dict(body)]}
+    return {**scene, "materials": json.loads(materials_text)} if materials_text else scene
+
+
+class ReadableScene(Scene):
+    """A scene that the core can build, with the materials that it had of its own as JSON; empty
+    without any."""
+
+    materials_text: str = ""
 
 
 def _ending(name: str) -> str:
@@ -204,7 +214,9 @@ def readable_scene(scene: Any, pose_time: float | None = None) -> Iterator[Any]:
         if has_materials(scene):
             scene = with_materials(scene)
         if isinstance(scene, dict):
-            scene = without_own_looks(scene)
+            own = scene_materials_text(given)
+            scene = ReadableScene(without_own_looks(scene))
+            scene.materials_text = own
         if not isinstance(scene, dict) or not any(
             _is_converted(holder) for holder in _path_holders(scene)
         ):
@@ -285,14 +297,7 @@ def find_scene(
         source = source.to_dict()
     scene = copy.deepcopy(source) if isinstance(source, dict) else read_scene(source)
     if fps is not None:
-        # It lasts as long as before.
-        if isinstance(scene.get("frames"), int) and isinstance(
-            rate := scene.get("frames_per_second", 30.0), (int, float)
-        ):
-            scene["frames"] = (
-                max(1, math.ceil(scene["frames"] * fps / rate)) if rate > 0 else scene["frames"]
-            )
-        scene["frames_per_second"] = fps
+        set_rate(scene, fps)
     if method is not None:
         scene["method"] = method
     _set_pieces(scene, pieces)

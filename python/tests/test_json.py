@@ -21,7 +21,8 @@ def answer(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[in
     except SystemExit as exit_:
         assert isinstance(exit_.code, int)
         status = exit_.code
-    return status, json.loads(capsys.readouterr().out)
+    (line,) = capsys.readouterr().out.splitlines()
+    return status, json.loads(line)
 
 
 def test_every_command_has_the_option() -> None:

@@ -68,9 +68,16 @@ def blob(page: str) -> tuple[dict[str, Any], bytes]:
     return json.loads(inflated[4:end]), inflated[end:]
 
 
+def inflated_of(recording: Recording) -> bytes:
+    """The blob of a page, unpacked."""
+    pieces: list[bytes] = []
+    encode(recording, frame_recording(recording, ASPECT), pieces.append)
+    return zlib.decompress(b"".join(pieces))
+
+
 def columns(recording: Recording, name: str) -> np.ndarray[Any, Any]:
     """A stream, (rows, columns), read as the format says."""
-    inflated = zlib.decompress(encode(recording, frame_recording(recording, ASPECT)))
+    inflated = inflated_of(recording)
     end = 4 + int.from_bytes(inflated[:4], "little")
     info = json.loads(inflated[4:end])["streams"][name]
     count = info["rows"] * info["columns"]
@@ -212,7 +219,7 @@ def test_a_browser_draws_what_has_images(wall: Recording, play: Play, tmp_path: 
 
 
 def test_a_page_has_the_camera_of_pictures(wall: Recording) -> None:
-    inflated = zlib.decompress(encode(wall, frame_recording(wall, ASPECT)))
+    inflated = inflated_of(wall)
     header = json.loads(inflated[4 : 4 + int.from_bytes(inflated[:4], "little")])
     camera = frame_recording(wall, ASPECT)
     assert header["camera"]["eye"] == camera.eye.tolist()

@@ -250,3 +250,23 @@ def test_freed_memory_is_kept_for_a_minute_or_as_long_as_the_environment_says() 
     for said, kept in [({}, 60_000), ({"MIMALLOC_PURGE_DELAY": "5"}, 5)]:
         answer = subprocess.run(ask, env=others | said, capture_output=True, text=True, check=True)
         assert int(answer.stdout) == kept
+
+
+def test_added_bodies_know_the_scenes_own_materials() -> None:
+    """Also in a world that was restored; a name that nobody knows is an error that lists them."""
+    shape = {"kind": "box", "size": [1, 1, 1]}
+    mine = {"like": "glass", "density": 1234.0, "friction": 0.01}
+    floor = {"shape": {"kind": "half-space"}, "motion": "static"}
+    world = World.build({"materials": {"mine": mine}, "bodies": [floor]}, 1)
+    body = {"shape": shape, "position": [0, 2, 0], "material": "mine"}
+    first = world.add_body(body)
+    restored = World.restore(world.snapshot(), 1)
+    second = restored.add_body({**body, "position": [3, 2, 0]})
+    masses = dict(zip(restored.ids.tolist(), restored.masses.tolist(), strict=True))
+    assert masses[first] == masses[second] == pytest.approx(1234.0)
+    with pytest.raises(BuildError, match=r"'my', did you mean 'mine'\?"):
+        world.add_body({**body, "material": "my"})
+    plain = World.build({"bodies": [floor]}, 1)
+    assert plain.masses[plain.ids.tolist().index(plain.add_body({**body, "material": "glass"}))] > 0
+    with pytest.raises(BuildError, match="must be one of"):
+        plain.add_body(body)

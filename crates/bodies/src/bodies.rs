@@ -1,6 +1,7 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
 use crate::activity::Activity;
+use crate::collision_classes::{CollisionClass, CollisionClasses};
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
 use glam::DVec3;
@@ -48,6 +49,8 @@ pub struct SurfaceProperties {
     /// Strength: the largest impulse in one collision before the body breaks [N s]; infinite for
     /// unbreakable bodies.
     pub strength: f64,
+    /// Whom it collides with.
+    pub class: CollisionClass,
 }
 
 /// Combined surface properties of a pair.
@@ -74,8 +77,15 @@ impl PairSurface {
 impl SurfaceProperties {
     /// Of a body that cannot break, without rolling and spinning friction.
     pub fn new(restitution: f64, friction: f64) -> Self {
-        let strength = f64::INFINITY;
-        Self { friction, rolling_friction: 0.0, spinning_friction: 0.0, restitution, strength }
+        let (strength, class) = (f64::INFINITY, CollisionClass::default());
+        Self {
+            friction,
+            rolling_friction: 0.0,
+            spinning_friction: 0.0,
+            restitution,
+            strength,
+            class,
+        }
     }
 }
 
@@ -122,6 +132,8 @@ pub struct Bodies {
     pub surfaces: Vec<SurfaceProperties>,
     /// Activity of each body in the last frames.
     pub activities: Vec<Activity>,
+    /// Which of them pass through each other.
+    pub classes: CollisionClasses,
     slots: Slots,
 }
 
@@ -314,6 +326,13 @@ impl Bodies {
                 self.inertias[i].angular_velocity(pose.orientation, velocity.angular_momentum)
             }
         }
+    }
+
+    /// False for bodies that pass through each other.
+    #[inline]
+    pub fn may_collide(&self, a: usize, b: usize) -> bool {
+        self.classes.is_trivial()
+            || self.classes.collide(self.surfaces[a].class, self.surfaces[b].class)
     }
 
     /// Combined surface properties of a pair.

@@ -3,6 +3,7 @@
 
 mod activity;
 mod bodies;
+mod collision_classes;
 mod frame;
 mod free_flight;
 mod pair;
@@ -10,6 +11,7 @@ mod state;
 
 pub use activity::{Activity, Drowsiness, Substeps};
 pub use bodies::{Bodies, BodyId, Motion, NewBody, PairSurface, PerBody, SurfaceProperties};
+pub use collision_classes::{CollisionClass, CollisionClasses};
 pub use frame::{Frame, Rotation, StepSettings};
 pub use free_flight::ballistic_path::BallisticPath;
 pub use free_flight::energy_fix::{EnergyFix, fix_rotational_energy};

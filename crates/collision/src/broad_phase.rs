@@ -117,14 +117,16 @@ fn overlapping_pairs(
     thins: bool,
 ) -> (Vec<Pair>, usize) {
     let moves: Vec<bool> = bodies.inertias.iter().map(|inertia| !inertia.is_infinite()).collect();
-    let (mut pairs, left_out) = overlapping_bounded(bounds, &moves, thins);
+    let may_collide = |a, b| bodies.may_collide(a, b);
+    let (mut pairs, left_out) = overlapping_bounded(bounds, &moves, &may_collide, thins);
 
     // Unbounded bodies meet every body, except bodies above ground.
     let mut with_boundless = Vec::new();
     for a in (0..bodies.len()).filter(|&i| bounds[i].is_boundless()) {
         let ground = Ground::of(bodies, a, poses);
         let is_above = |b: usize| ground.as_ref().is_some_and(|ground| ground.is_below(&bounds[b]));
-        for b in (0..bodies.len()).filter(|&b| (moves[a] || moves[b]) && a != b) {
+        let meets = |&b: &usize| (moves[a] || moves[b]) && a != b && may_collide(a, b);
+        for b in (0..bodies.len()).filter(meets) {
             let is_second = bounds[b].is_boundless() && b < a;
             if !is_second && !bounds[b].is_nan() && !is_above(b) {
                 with_boundless.push(Pair { first: a.min(b), second: a.max(b) });

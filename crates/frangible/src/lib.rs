@@ -43,6 +43,7 @@ pub use scene::desc::breaking::{
     AnchorDesc, BondsDesc, BreakingDesc, MaterialDesc, MaterialName, PatternDesc, PatternFile,
     StrengthDesc,
 };
+pub use scene::desc::mass_properties::MassDesc;
 pub use scene::desc::read::{no_json, read, schema};
 pub use scene::desc::starts::{StartsDesc, StartsWhen};
 pub use scene::desc::strength_points::StrengthPointDesc;

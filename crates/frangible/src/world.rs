@@ -42,6 +42,8 @@ pub struct World {
     pub(crate) fits: BirthFits,
     /// Bodies temporarily unbreakable in the running frame, with their own strength [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
+    /// A text of the caller's.
+    pub(crate) note: String,
     /// The caller's [s], for the report.
     #[serde(skip)]
     pub(crate) clock: Option<fn() -> f64>,
@@ -153,6 +155,16 @@ impl World {
     /// The engine has none of its own; until it is given one all stages take 0 ms.
     pub fn set_clock(&mut self, seconds: fn() -> f64) {
         self.clock = Some(seconds);
+    }
+
+    /// A text of the caller's that goes with the world, into snapshots too; empty at first.
+    pub fn note(&self) -> &str {
+        &self.note
+    }
+
+    /// Sets [`World::note`].
+    pub fn set_note(&mut self, note: String) {
+        self.note = note;
     }
 
     /// Sets the velocity of a dynamic or kinematic body: `linear` of its centre of mass [m/s] and

@@ -1,5 +1,7 @@
 //! Shapes: immutable, shared by equal bodies.
 
+mod own_mass;
+
 use crate::closed_form::ClosedForm;
 use crate::closed_form_surface::closed_form_surface;
 use crate::compound::Compound;

@@ -57,6 +57,10 @@ impl World {
         let build = move || here.install(|| frangible::World::build(&scene));
         let mut world = interruptible(py, build)?.map_err(build_error)?;
         world.set_clock(seconds);
+        // Materials of the scene's own, for bodies that are added.
+        if let Ok(materials) = readable.getattr("materials_text") {
+            world.set_note(materials.extract()?);
+        }
         Ok(Self(Mutex::new(Inner { world, pool })))
     }
 }
@@ -116,7 +120,8 @@ impl World {
 
     /// Add a body as a scene would hold it; its id.
     fn add_body(&self, py: Python<'_>, body: &Bound<'_, PyAny>) -> PyResult<u64> {
-        let alone = py.import("frangible.scenes")?.call_method1("scene_of", (body,))?;
+        let materials = self.inner()?.world.note().to_owned();
+        let alone = py.import("frangible.scenes")?.call_method1("scene_of", (body, materials))?;
         let scene = with_files(&alone, scene)?;
         let mut inner = self.inner()?;
         let Inner { world, pool } = &mut *inner;

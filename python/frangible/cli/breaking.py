@@ -41,6 +41,14 @@ def add_break(commands: Any) -> None:
     breaker = commands.add_parser("break", help="break a mesh into pieces, without a simulation")
     breaker.set_defaults(command=_break)
     breaker.add_argument("mesh", metavar="MESH", help="mesh (.obj, .ply, .stl, .gltf, .glb, .usd)")
+    _add_cuts(breaker)
+    _add_blow(breaker)
+    _add_surface(breaker)
+    _add_outputs(breaker)
+
+
+def _add_cuts(breaker: argparse.ArgumentParser) -> None:
+    """Options of the pattern, and of how many pieces it makes."""
     breaker.add_argument(
         "--pattern",
         required=True,
@@ -67,6 +75,10 @@ def add_break(commands: Any) -> None:
         metavar="N",
         help="same seed, same pieces [the pattern's]",
     )
+
+
+def _add_blow(breaker: argparse.ArgumentParser) -> None:
+    """Options of where the mesh is struck."""
     breaker.add_argument(
         "--at",
         nargs=3,
@@ -83,6 +95,10 @@ def add_break(commands: Any) -> None:
         metavar=("X", "Y", "Z"),
         help="from the point towards what strikes it [0 1 0: struck from above]",
     )
+
+
+def _add_surface(breaker: argparse.ArgumentParser) -> None:
+    """Options of how the mesh's surface is cut, and of what it looks like inside."""
     way = breaker.add_mutually_exclusive_group()
     way.add_argument(
         "--exact",
@@ -108,6 +124,10 @@ def add_break(commands: Any) -> None:
     )
     add_thickness(breaker)
     add_pose_time(breaker)
+
+
+def _add_outputs(breaker: argparse.ArgumentParser) -> None:
+    """Options of what is written and printed."""
     breaker.add_argument(
         "--density",
         type=positive,

@@ -10,7 +10,7 @@ from ..breaking.mesh_facts import described, read_facts
 from ..errors import CacheError, one_sentence
 from ..extras import missing_packages
 from ..io.cache import check_is_file
-from ..io.gltf import describe_glb
+from ..io.gltf_facts import describe_glb
 from ..io.mesh_files import USD_ENDINGS, check_ending, readable_mesh
 from ..recording import Recording
 

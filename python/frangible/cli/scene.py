@@ -27,7 +27,7 @@ def add_scene(commands: Any) -> None:
     add_wishes(scene)
     form = scene.add_mutually_exclusive_group()
     form.add_argument("--toml", action="store_true", help="print TOML, not JSON")
-    scene.add_argument("--json", action="store_true", help="JSON, also with --out")
+    scene.add_argument("--json", action="store_true", help="JSON in one line, also with --out")
     form.add_argument(
         "--out", metavar="FILE", help="write it as .json, .toml, .usda, .usdc or .usd instead"
     )
@@ -42,6 +42,9 @@ def _scene(options: argparse.Namespace) -> None:
         if options.json:
             print_json({"outputs": [{"path": options.out, "bytes": os.path.getsize(options.out)}]})
         return
+    if options.json:
+        print_json(scene)
+        return
     print(as_toml(scene), end="") if options.toml else print(as_json(scene))
 
 
@@ -53,7 +56,7 @@ def add_schema(commands: Any) -> None:
     schema.set_defaults(command=_schema)
     form = schema.add_mutually_exclusive_group()
     form.add_argument("--markdown", action="store_true", help="docs/scene_format.md")
-    form.add_argument("--json", action="store_true", help="the schema, as without any option")
+    form.add_argument("--json", action="store_true", help="the schema in one line")
     form.add_argument("--python", action="store_true", help="frangible/scene_types.py")
 
 
@@ -63,5 +66,7 @@ def _schema(options: argparse.Namespace) -> None:
         print(scene_page(schema), end="")
     elif options.python:
         print(scene_module(schema), end="")
+    elif options.json:
+        print_json(schema)
     else:
         print(json.dumps(schema, indent=2))

@@ -53,6 +53,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator, Sequence
 from typing import Any
 from zipfile import is_zipfile
 
@@ -65,7 +66,7 @@ from ..kept_frames import read_folder
 from ..recording import Body, Recording
 from ..report import StepReport
 from .cache_check import check_arrays, check_family, read_arrays
-from .npz import Parts, write_arrays
+from .npz import Parts, Text, write_arrays
 from .reading import file_fault
 from .skin_cache import no_constant, offsets, read_skins, rows, skin_arrays
 
@@ -75,7 +76,7 @@ FORMAT = 6
 def write_npz(recording: Recording, path: str) -> None:
     """Write a recording as the arrays above."""
     bodies = recording.bodies
-    arrays: dict[str, npt.NDArray[Any] | Parts] = {
+    arrays: dict[str, npt.NDArray[Any] | Parts | Text] = {
         "format": np.array(FORMAT),
         "shot": np.array(recording.shot),
         "method": np.array(recording.method),
@@ -102,7 +103,7 @@ def write_npz(recording: Recording, path: str) -> None:
         "positions": Parts([body.positions for body in bodies], (3,), np.float64),
         "orientations": Parts([body.orientations for body in bodies], (4,), np.float64),
         "pose_offsets": offsets([body.positions for body in bodies]),
-        "reports": np.array(json.dumps(recording.reports)),
+        "reports": Text(lambda: _json_pieces(recording.reports)),
         "convention": np.array(recording.convention.to_json()),
         **skin_arrays(bodies),
         "before": rows([_before(body)[None] for body in bodies], (0, 7), np.float64),
@@ -111,6 +112,14 @@ def write_npz(recording: Recording, path: str) -> None:
         ),
     }
     write_arrays(path, arrays)
+
+
+def _json_pieces(reports: Sequence[StepReport]) -> Iterator[str]:
+    """A list of them as JSON."""
+    yield "["
+    for number, report in enumerate(reports):
+        yield f"{', ' if number else ''}{json.dumps(report)}"
+    yield "]"
 
 
 def read_npz(path: str) -> Recording:

@@ -8,10 +8,12 @@ larger than the motion.
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
+import os
 import struct
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,9 +25,12 @@ from ..recording import Body, Bool, Float32, Recording, UInt32
 from ..render.ground import with_visible_ground
 from ..render.normals import corner_normals, shaded_mesh, textured_corners
 from ..render.palette import Palette
+from ..spool import Spool
 
 Json = dict[str, Any]
 
+#: The extension that holds light brighter than 1.
+_EMISSION = "KHR_materials_emissive_strength"
 #: Generator name in our files.
 GENERATOR = "Frangible"
 
@@ -44,7 +49,9 @@ Group = tuple[int, Bool]
 def write_glb(recording: Recording, path: str) -> None:
     """Write a recording; lengths are metres, times seconds, y is up."""
     gltf = _Gltf(
-        {"shot": recording.shot, "frames": recording.frames, "fps": recording.fps}, recording.fps
+        {"shot": recording.shot, "frames": recording.frames, "fps": recording.fps},
+        recording.fps,
+        os.path.dirname(os.path.abspath(path)),
     )
     families = by_source(with_visible_ground(recording).bodies)
     palette = Palette(families, gltf.add_material)
@@ -59,7 +66,7 @@ def write_glb(recording: Recording, path: str) -> None:
         )
     gltf.document["scenes"] = [{"name": recording.shot or "World", "nodes": roots}]
     with open(path, "wb") as file:
-        file.write(gltf.to_bytes())
+        gltf.write(file)
 
 
 def write_pieces(pieces: Pieces, path: str) -> None:
@@ -72,11 +79,10 @@ def write_pieces(pieces: Pieces, path: str) -> None:
     root = gltf.add_family(name, bodies, (piece.name for piece in pieces.pieces), palette)
     gltf.document["scenes"] = [{"name": name, "nodes": [root]}]
     with open(path, "wb") as file:
-        file.write(gltf.to_bytes() if path.endswith(".glb") else gltf.to_text())
-
-
-#: The extension that holds light brighter than 1.
-_EMISSION = "KHR_materials_emissive_strength"
+        if path.endswith(".glb"):
+            gltf.write(file)
+        else:
+            gltf.write_text(file)
 
 
 def _sampler(sampler: Sampler) -> Json | None:
@@ -91,7 +97,8 @@ def _sampler(sampler: Sampler) -> Json | None:
 class _Gltf:
     """The JSON document and the binary data, as they grow."""
 
-    def __init__(self, extras: Json, fps: float) -> None:
+    def __init__(self, extras: Json, fps: float, folder: str | None = None) -> None:
+        """``folder`` has room for the data until the file is written."""
         self.fps = fps
         self.document: Json = {
             "asset": {
@@ -110,9 +117,8 @@ class _Gltf:
         self.extensions: set[str] = set()
         self.channels: list[Json] = []
         self.samplers: list[Json] = []
-        self.parts: list[list[bytes]] = [[], [], [], [], [], []]
-        self.sizes = [0, 0, 0, 0, 0, 0]
-        # Equal shapes share a mesh, equal times an accessor, equal images a texture.
+        self.parts = [Spool(folder) for _ in range(6)]
+        # Equal shapes share a mesh, equal times an accessor (both by digests), images a texture.
         self.meshes: dict[bytes, int] = {}
         self.times: dict[bytes, int] = {}
         self.textures: dict[Image, int] = {}
@@ -125,7 +131,7 @@ class _Gltf:
         data = array.astype(np.uint32 if view == _INDICES else np.float32)
         accessor: Json = {
             "bufferView": view,
-            "byteOffset": self.sizes[view],
+            "byteOffset": self.parts[view].size,
             "componentType": _UINT32 if view == _INDICES else _FLOAT,
             "count": len(data),
             "type": _TYPES[1 if data.ndim == 1 else data.shape[1]],
@@ -133,8 +139,7 @@ class _Gltf:
         if bounds:
             accessor["min"] = np.atleast_1d(data.min(axis=0)).tolist()
             accessor["max"] = np.atleast_1d(data.max(axis=0)).tolist()
-        self.parts[view].append(data.tobytes())
-        self.sizes[view] += data.nbytes
+        self.parts[view].add(data.tobytes())
         return self.add("accessors", accessor)
 
     def add_material(self, name: str, material: Material) -> int:
@@ -247,7 +252,11 @@ class _Gltf:
                 array for array in (skin.material, skin.colours, skin.normals) if array is not None
             ]
         )
-        key = b"".join([*(array.tobytes() for array in arrays), struct.pack("<I", groups[0][0])])
+        digest = hashlib.sha256(struct.pack("<I", groups[0][0]))
+        for array in arrays:
+            digest.update(struct.pack("<Q", array.nbytes))
+            digest.update(array.tobytes())
+        key = digest.digest()
         if key in self.meshes:
             return self.meshes[key]
 
@@ -311,7 +320,7 @@ class _Gltf:
         interpolation: str,
     ) -> None:
         times = (frames / self.fps).astype(np.float32)
-        key = times.tobytes()
+        key = hashlib.sha256(times.tobytes()).digest()
         if key not in self.times:
             self.times[key] = self.add_accessor(_MOTION, times, bounds=True)
         output = self.add_accessor(_MOTION, values)
@@ -322,52 +331,60 @@ class _Gltf:
             {"sampler": len(self.samplers) - 1, "target": {"node": node, "path": target}}
         )
 
-    def to_bytes(self) -> bytes:
+    def write(self, file: IO[bytes]) -> None:
         """As a ``.glb``."""
-        document, data = self._finished()
+        document, size = self._finished()
         # The header and the two chunks, each padded to four bytes; all data is made of four-byte
         # words already.
         text = json.dumps(document, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
-        chunks = struct.pack("<I4s", len(text), b"JSON") + text
-        if data:
-            chunks += struct.pack("<I4s", len(data), b"BIN\0") + data
-        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+        whole = 20 + len(text) + (8 + size if size else 0)
+        file.write(struct.pack("<4sII", b"glTF", 2, whole))
+        file.write(struct.pack("<I4s", len(text), b"JSON") + text)
+        if size:
+            file.write(struct.pack("<I4s", size, b"BIN\0"))
+            file.writelines(self._data())
 
-    def to_text(self) -> bytes:
+    def write_text(self, file: IO[bytes]) -> None:
         """As a ``.gltf`` that holds its data as well."""
-        document, data = self._finished()
+        document, _ = self._finished()
         for buffer in document.get("buffers", []):
-            buffer["uri"] = (
-                "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-            )
-        return json.dumps(document).encode()
+            data = base64.b64encode(b"".join(self._data())).decode()
+            buffer["uri"] = f"data:application/octet-stream;base64,{data}"
+        file.write(json.dumps(document).encode())
 
-    def _finished(self) -> tuple[Json, bytes]:
-        """The document, and its data."""
+    def _data(self) -> Iterator[bytes]:
+        """The views one behind the other, then the images, from multiples of four bytes on."""
+        for part in self.parts:
+            yield from part.chunks()
+        for image in self.textures:
+            yield image.data + b"\0" * (-len(image.data) % 4)
+
+    def _finished(self) -> tuple[Json, int]:
+        """The document, and the bytes of its data."""
         # Buffer views, without those that hold nothing.
         views: list[Json] = []
         renumbered: dict[int, int] = {}
-        data = b""
-        for view, parts in enumerate(self.parts):
-            if not parts:
+        size = 0
+        for view, part in enumerate(self.parts):
+            if not part.size:
                 continue
             renumbered[view] = len(views)
-            item: Json = {"buffer": 0, "byteOffset": len(data), "byteLength": self.sizes[view]}
+            item: Json = {"buffer": 0, "byteOffset": size, "byteLength": part.size}
             if view in _STRIDES:
                 item |= {"byteStride": _STRIDES[view], "target": _ARRAY_BUFFER}
             if view == _INDICES:
                 item["target"] = _ELEMENT_ARRAY_BUFFER
             views.append(item)
-            data += b"".join(parts)
+            size += part.size
         for accessor in self.document["accessors"]:
             accessor["bufferView"] = renumbered[accessor["bufferView"]]
 
         # A view for each image, from a multiple of four bytes on.
         for item, image in zip(self.document["images"], self.textures, strict=True):
             item["bufferView"] = len(views)
-            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(image.data)})
-            data += image.data + b"\0" * (-len(image.data) % 4)
+            views.append({"buffer": 0, "byteOffset": size, "byteLength": len(image.data)})
+            size += len(image.data) + -len(image.data) % 4
 
         # glTF forbids empty lists.
         document = {key: value for key, value in self.document.items() if value != []}
@@ -377,24 +394,7 @@ class _Gltf:
             ]
         if self.extensions:
             document["extensionsUsed"] = sorted(self.extensions)
-        if data:
-            document["buffers"] = [{"byteLength": len(data)}]
+        if size:
+            document["buffers"] = [{"byteLength": size}]
             document["bufferViews"] = views
-        return document, data
-
-
-def describe_glb(path: str) -> dict[str, object] | None:
-    """Shot, frames, frame rate and bodies of a cache that `write_glb` wrote; `None` for any other
-    file."""
-    with open(path, "rb") as file:
-        header = file.read(20)
-        if len(header) < 20 or header[:4] != b"glTF":
-            return None
-        try:
-            document = json.loads(file.read(struct.unpack("<I", header[12:16])[0]))
-        except ValueError:
-            return None
-    if not isinstance(document, dict) or document.get("asset", {}).get("generator") != GENERATOR:
-        return None
-    bodies = sum(len(node.get("children", ())) for node in document["nodes"])
-    return {**document["asset"]["extras"], "bodies": bodies}
+        return document, size

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,22 @@ class Parts:
     dtype: npt.DTypeLike
 
 
-def write_arrays(path: str, arrays: Mapping[str, npt.NDArray[Any] | Parts]) -> None:
+@dataclass(frozen=True, slots=True, eq=False)
+class Text:
+    """A text that is written as an array () without being held; asked for its pieces twice."""
+
+    pieces: Callable[[], Iterator[str]]
+
+    def write(self, out: IO[bytes]) -> None:
+        """As NumPy writes an array of one text: its header has the length."""
+        length = sum(len(piece) for piece in self.pieces())
+        header = {"descr": f"<U{length}", "fortran_order": False, "shape": ()}
+        np.lib.format.write_array_header_1_0(out, header)
+        for piece in self.pieces():
+            out.write(piece.encode("utf-32-le"))
+
+
+def write_arrays(path: str, arrays: Mapping[str, npt.NDArray[Any] | Parts | Text]) -> None:
     """Write compressed arrays, part by part."""
     with (
         open(path, "wb") as file,
@@ -34,6 +49,9 @@ def write_arrays(path: str, arrays: Mapping[str, npt.NDArray[Any] | Parts]) -> N
             member = zipfile.ZipInfo(f"{name}.npy", _DATE)
             member.compress_type = zipfile.ZIP_DEFLATED
             with archive.open(member, "w", force_zip64=True) as out:
+                if isinstance(array, Text):
+                    array.write(out)
+                    continue
                 if not isinstance(array, Parts):
                     np.lib.format.write_array(out, array, allow_pickle=False)
                     continue

@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import base64
 import html
+import os
 from pathlib import Path
 
 from ..errors import OutputError
 from ..recording import Recording
 from ..render.camera import frame_recording
+from ..spool import Spool
 from .page_data import encode
 
 #: The product of `npm run build` in `web/`; it refers to nothing outside itself.
@@ -28,9 +30,13 @@ def write_html(recording: Recording, path: str) -> None:
         raise OutputError(
             f"{PLAYER}: is missing, make it with: npm ci && npm run build, in web/"
         ) from error
-    data = base64.b64encode(encode(recording, frame_recording(recording, ASPECT))).decode("ascii")
-    page = template.replace(TITLE, html.escape(recording.shot or "Frangible"), 1).replace(
-        DATA, data, 1
-    )
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(page)
+    template = template.replace(TITLE, html.escape(recording.shot or "Frangible"), 1)
+    before, _, behind = template.partition(DATA)
+    folder = os.path.dirname(os.path.abspath(path))
+    camera = frame_recording(recording, ASPECT)
+    with open(path, "wb") as file, Spool(folder) as data:
+        file.write(before.encode())
+        encode(recording, camera, data.add, folder)
+        for chunk in data.chunks():
+            file.write(base64.b64encode(chunk))
+        file.write(behind.encode())

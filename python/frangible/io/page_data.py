@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 import numpy.typing as npt
 
@@ -11,7 +13,7 @@ from ..render.ground import is_half_space
 from ..render.palette import look_of, tint
 from ..render.textures import longest_first
 from .page_meshes import COLOUR_STEPS, COORDINATE_STEPS, NORMAL_STEPS, add_meshes
-from .page_streams import Blob, rounded, stacked
+from .page_streams import Blob, Ints, rounded
 
 #: Version of the streams and of the header, which `web/src/recording.ts` describes.
 FORMAT = 2
@@ -22,17 +24,23 @@ ORIENTATION_STEPS = 2**14 - 1
 TINT_STEPS = 2**10
 
 
-def encode(recording: Recording, camera: Camera) -> bytes:
-    """The compressed blob, with the camera of the first view."""
+def encode(
+    recording: Recording,
+    camera: Camera,
+    out: Callable[[bytes], object],
+    folder: str | None = None,
+) -> None:
+    """Hand out the compressed blob, piece by piece, with the camera of the first view. ``folder``
+    has room for it."""
     # The first view turns around what lies in the middle of the picture.
     distance = float((camera.target - camera.eye) @ camera.axes[2])
     target = camera.eye + distance * camera.axes[2]
     step = distance / POSITION_STEPS
-    blob = Blob()
+    blob = Blob(folder)
     _add_bodies(blob, recording, step)
     appearance = add_meshes(blob, recording.bodies)
     _add_poses(blob, recording.bodies, step)
-    return blob.to_bytes(
+    blob.write(
         {
             "format": FORMAT,
             "shot": recording.shot,
@@ -52,7 +60,8 @@ def encode(recording: Recording, camera: Camera) -> bytes:
                 "colour": 1.0 / COLOUR_STEPS,
                 "tint": 1.0 / TINT_STEPS,
             },
-        }
+        },
+        out,
     )
 
 
@@ -132,22 +141,35 @@ def _add_poses(blob: Blob, bodies: list[Body], step: float) -> None:
 
     Those of a fragment begin where it was a frame before its birth.
     """
-    counts, positions, orientations = [], [], []
+    counts = []
     for body in bodies:
-        places, turns = body.positions, body.orientations
-        if body.before is not None:
-            places = np.vstack([body.before[:3], places])
-            turns = without_sign_flips(np.vstack([body.before[3:], turns])[::-1])[::-1]
-        place = rounded(places, step)
-        turn = rounded(turns, 1.0 / ORIENTATION_STEPS)
-        moves = np.flatnonzero(np.any(np.diff(np.hstack([place, turn]), axis=0) != 0, axis=1))
-        count = int(moves[-1]) + 2 if len(moves) else 1
-        counts.append(count)
-        positions.append(place[:count])
-        orientations.append(turn[:count])
+        poses = np.hstack([_places(body, step), _turns(body)])
+        moves = np.flatnonzero(np.any(np.diff(poses, axis=0) != 0, axis=1))
+        counts.append(int(moves[-1]) + 2 if len(moves) else 1)
     blob.add("poses", np.array(counts, np.int64))
-    blob.add("positions", stacked(positions, 3), order=2)
-    blob.add("orientations", stacked(orientations, 4), order=2)
+
+    def places() -> Iterator[Ints]:
+        return (_places(body, step)[:count] for body, count in zip(bodies, counts, strict=True))
+
+    def turns() -> Iterator[Ints]:
+        return (_turns(body)[:count] for body, count in zip(bodies, counts, strict=True))
+
+    blob.add_blocks("positions", 3, places, order=2)
+    blob.add_blocks("orientations", 4, turns, order=2)
+
+
+def _places(body: Body, step: float) -> Ints:
+    places = body.positions
+    if body.before is not None:
+        places = np.vstack([body.before[:3], places])
+    return rounded(places, step)
+
+
+def _turns(body: Body) -> Ints:
+    turns = body.orientations
+    if body.before is not None:
+        turns = without_sign_flips(np.vstack([body.before[3:], turns])[::-1])[::-1]
+    return rounded(turns, 1.0 / ORIENTATION_STEPS)
 
 
 def _quaternion(rows: Float64) -> Float64:

@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import json
 import zlib
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from ..spool import Spool
 
 Ints = npt.NDArray[np.int64]
 
@@ -21,38 +24,68 @@ Ints = npt.NDArray[np.int64]
 _LEVEL = 6
 
 
-class Blob:
-    """The streams, as they grow."""
+#: Rows of a stream that are written at a time.
+_ROWS = 2**15
 
-    def __init__(self) -> None:
+
+class Blob:
+    """The streams, as they grow; what is large waits on a disk."""
+
+    def __init__(self, folder: str | None = None) -> None:
+        """``folder`` has room for them."""
         self.streams: dict[str, dict[str, int]] = {}
-        self.parts: list[bytes] = []
-        self.size = 0
+        self._folder = folder
+        self._data = Spool(folder)
 
     def add(self, name: str, values: npt.NDArray[Any], order: int = 1) -> None:
         """Whole numbers (rows,) or (rows, columns) that int32 holds."""
-        columns = (values if values.ndim > 1 else values[:, None]).T.astype(np.int64)
-        # Differences may need a bit more than the numbers; they wrap around, and so do sums.
-        for _ in range(order):
-            columns = np.diff(columns, prepend=0, axis=1)
-        wrapped = columns.astype(np.uint32).view(np.int32)
-        folded = ((wrapped << 1) ^ (wrapped >> 31)).view(np.uint32).ravel()
-        width = (int(folded.max(initial=0)).bit_length() + 7) // 8
-        planes = np.ascontiguousarray(folded.astype("<u4").view(np.uint8).reshape(-1, 4).T[:width])
-        self.streams[name] = {
-            "offset": self.size,
-            "rows": columns.shape[1],
-            "columns": columns.shape[0],
-            "bytes": width,
-            "order": order,
-        }
-        self.parts.append(planes.tobytes())
-        self.size += planes.size
+        columns = values if values.ndim > 1 else values[:, None]
+        self.add_blocks(name, columns.shape[1], lambda: iter([columns]), order)
 
-    def to_bytes(self, header: dict[str, Any]) -> bytes:
-        """Everything, compressed."""
+    def add_blocks(
+        self, name: str, columns: int, blocks: Callable[[], Iterator[Ints]], order: int = 1
+    ) -> None:
+        """The same of rows that come in blocks (n, columns), which are asked for once for each
+        column."""
+        with Spool(self._folder) as folded:
+            rows = most = 0
+            for column in range(columns):
+                rows = 0
+                # What the differences of each order begin with: the last of the block before.
+                carried = np.zeros(order, np.int64)
+                for block in blocks():
+                    for first in range(0, len(block), _ROWS):
+                        numbers = block[first : first + _ROWS, column].astype(np.int64)
+                        # Differences may need a bit more than the numbers; they wrap around, and
+                        # so do sums.
+                        for level in range(order):
+                            last, carried[level] = carried[level], numbers[-1]
+                            numbers = np.diff(numbers, prepend=last)
+                        wrapped = numbers.astype(np.uint32).view(np.int32)
+                        unsigned = ((wrapped << 1) ^ (wrapped >> 31)).view(np.uint32)
+                        most = max(most, int(unsigned.max()))
+                        folded.add(unsigned.astype("<u4").tobytes())
+                        rows += len(numbers)
+            width = (most.bit_length() + 7) // 8
+            self.streams[name] = {
+                "offset": self._data.size,
+                "rows": rows,
+                "columns": columns,
+                "bytes": width,
+                "order": order,
+            }
+            for byte in range(width):
+                for chunk in folded.chunks():
+                    self._data.add(chunk[byte::4])
+
+    def write(self, header: dict[str, Any], out: Callable[[bytes], object]) -> None:
+        """Everything, compressed, piece by piece."""
         text = json.dumps({**header, "streams": self.streams}, separators=(",", ":")).encode()
-        return zlib.compress(b"".join([len(text).to_bytes(4, "little"), text, *self.parts]), _LEVEL)
+        packer = zlib.compressobj(_LEVEL)
+        out(packer.compress(len(text).to_bytes(4, "little") + text))
+        for chunk in self._data.chunks():
+            out(packer.compress(chunk))
+        out(packer.flush())
 
 
 def rounded(values: npt.NDArray[Any], step: float) -> Ints:

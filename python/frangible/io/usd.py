@@ -29,6 +29,8 @@ from .usd_stage import mark, open_stage, written_as
 from .usd_tree import PrimTree, root_name
 from .whole import whole_path
 
+#: Poses that the library holds in memory before they go to a file, at some 600 bytes each.
+UNSAVED = 2**13
 #: The marker of a stage that a recording was written as.
 RECORDING = "recording"
 
@@ -42,7 +44,25 @@ def write_usd(
     With ``geometry``, surfaces and materials go into that file, which the stage has as a sublayer:
     what moves is in a small layer of its own. Bodies appear and vanish so much ``late`` [frames].
     """
-    stage = Usd.Stage.CreateNew(path) if geometry is None else Usd.Stage.CreateInMemory()
+    with tempfile.TemporaryDirectory(dir=os.path.dirname(os.path.abspath(path))) as folder:
+        # A binary file grows sample by sample; a text is written from one at once.
+        is_text = path.endswith(".usda")
+        draft = os.path.join(folder, "motion.usdc") if is_text else path
+        _write_layers(recording, draft, path, geometry, late)
+        # Read again, its samples stay in its file.
+        motion = Sdf.Layer.FindOrOpen(draft)
+        if geometry is not None:
+            # The files take their names when both are whole.
+            motion.subLayerPaths[:] = [f"./{os.path.basename(whole_path(geometry))}"]
+        _save(lambda: motion.Export(path) if is_text else motion.Save())
+
+
+def _write_layers(
+    recording: Recording, draft: str, path: str, geometry: str | None, late: float
+) -> None:
+    """Write what moves into a draft, and the surfaces of a stage at a path into that of the
+    geometry; without one into the same."""
+    stage = Usd.Stage.CreateNew(draft)
     motion = stage.GetRootLayer()
     convention = recording.convention
     _say_conventions(stage, recording)
@@ -63,6 +83,7 @@ def write_usd(
         lambda name, material: add_material(stage, f"{materials}/{name}", material, images),
     )
     timing = Timing(convention.first_frame, recording.fps, late)
+    unsaved = 0
     for family in families.values():
         source = tree.source(family[0].name)
         for body in family:
@@ -71,19 +92,18 @@ def write_usd(
                 write_motion(mesh, body, timing)
                 write_life(mesh, body, timing)
                 write_velocities(mesh, body, timing)
+            # What is saved is read back from the file when somebody asks.
+            unsaved += len(body.positions)
+            if unsaved > max(UNSAVED, 4 * len(bodies)):
+                _save(motion.Save)
+                unsaved = 0
     with Usd.EditContext(stage, motion):
         UsdGeom.ModelAPI.Apply(top.GetPrim()).SetExtentsHint(extent_of_all(bodies))
         for camera in convention.cameras:
             write_camera(stage, tree.camera(camera.name), camera, convention, recording.fps)
-    if geometry is None:
-        _save(motion.Save)
-        return
-    _save(shapes.Save)
-    # The files take their names when both are whole.
-    named = Sdf.Layer.CreateAnonymous()
-    named.TransferContent(motion)
-    named.subLayerPaths[:] = [f"./{os.path.basename(whole_path(geometry))}"]
-    _save(lambda: named.Export(path))
+    _save(motion.Save)
+    if geometry is not None:
+        _save(shapes.Save)
 
 
 def _say_conventions(stage: Any, recording: Recording) -> None:
@@ -183,6 +203,13 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
             mesh.CreateDoubleSidedAttr(True)
     low, high = body.vertices.min(axis=0).tolist(), body.vertices.max(axis=0).tolist()
     mesh.CreateExtentAttr([Gf.Vec3f(*low), Gf.Vec3f(*high)])
+    _add_primvars(mesh, body)
+    _bind_materials(mesh, body, palette)
+    return mesh
+
+
+def _add_primvars(mesh: Any, body: Body) -> None:
+    """Normals, texture coordinates and colours of a body's corners."""
     shaded = shaded_mesh(body.vertices, body.triangles, body.interior)
     primvars = UsdGeom.PrimvarsAPI(mesh)
     normals = primvars.CreatePrimvar(
@@ -213,11 +240,13 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
             opacity = mesh.CreateDisplayOpacityPrimvar(UsdGeom.Tokens.faceVarying)
             opacity.Set(Vt.FloatArray.FromNumpy(colours[:, 3].copy()))
 
-    # Crack faces have a material of their own, and the original surface keeps the
-    # mesh's; a subset for each.
+
+def _bind_materials(mesh: Any, body: Body, palette: Palette[Any]) -> None:
+    """Crack faces have a material of their own, and the original surface keeps the mesh's; a subset
+    for each."""
     groups = palette.groups(body)
     if not groups:
-        return mesh
+        return
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(groups[0][0])
     if len(groups) > 1:
         outer = sum(not is_inside for _, _, is_inside in groups)
@@ -236,7 +265,6 @@ def _mesh(stage: Any, path: str, body: Body, palette: Palette[Any]) -> Any:
                 UsdGeom.Tokens.face,
             )
             UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
-    return mesh
 
 
 def describe_usd(path: str) -> dict[str, object] | None:

@@ -9,6 +9,7 @@ from pxr import Plug, Sdf
 
 from ..material_presets import PRESETS
 from .usd_stage import short_number
+from .usd_strength import strength_points_of, write_strength_points
 
 SCHEMA = "FrangibleFractureAPI"
 #: Attributes begin with it.
@@ -49,17 +50,22 @@ def fracture_of(prim: Any) -> dict[str, Any]:
         shearing = _said(prim, "glue:shearStrength")
         glue = {"tensile_strength": pulling, "shear_strength": shearing or pulling}
         own = pattern or PRESETS.get(material, {}).get("pattern")
-        bonds = {**({} if own is None else {"pattern": own}), **glue}
+        bonds = {**({} if own is None else {"pattern": own}), **glue, **_points(prim)}
         return {"material": material, **_look(prim), "bonds": bonds}
     if pattern is not None:
         breaking["pattern"] = pattern
     for name in _BREAKING:
         if (value := _said(prim, name)) not in (None, 0):
             breaking[name] = value
+    breaking.update(_points(prim))
     # Nothing is left to a material where nobody named one and all is said.
     is_whole = not said and "strength" in breaking and "pattern" in breaking
     fields: dict[str, Any] = {} if is_whole else {"material": material}
     return {**fields, **_look(prim), **({"breaking": breaking} if breaking else {})}
+
+
+def _points(prim: Any) -> dict[str, Any]:
+    return {"strength_points": points} if (points := strength_points_of(prim)) else {}
 
 
 def voxels_of(prim: Any) -> int | None:
@@ -129,6 +135,8 @@ def write_fracture(prim: Any, body: dict[str, Any]) -> None:
         _write(prim, "strengthOf" if isinstance(strength, str) else "strength", strength)
     for name in _BREAKING:
         _write(prim, name, breaking.get(name))
+    if points := breaking.get("strength_points"):
+        write_strength_points(prim, points)
     pattern = breaking.get("pattern")
     if isinstance(pattern, dict):
         _write(prim, "pattern", pattern.get("kind"))

@@ -12,7 +12,6 @@ from pxr import UsdPhysics, UsdShade
 from .. import _frangible
 from .usd_bodies import StageBody
 from .usd_colliders import Fit
-from .usd_frames import Frame
 from .usd_mesh import StageReader
 from .usd_notes import Notes
 from .usd_stage import short_number
@@ -67,43 +66,6 @@ def density(
         )
     notes.add("colliders of several densities in a body", body.name, "share their mass evenly")
     return sum(masses) / whole
-
-
-def name_what_is_computed(
-    body: StageBody, shape: dict[str, Any], frame: Frame, notes: Notes
-) -> None:
-    """Notes of a centre of mass that is not the shape's, and of an inertia."""
-    if not body.prim.HasAPI(UsdPhysics.MassAPI):
-        return
-    api = UsdPhysics.MassAPI(body.prim)
-    middle, inertia = api.GetCenterOfMassAttr(), api.GetDiagonalInertiaAttr()
-    if middle.HasAuthoredValue() and _differs(middle.Get(), body, shape, frame):
-        notes.add("centre of mass of its own", body.name, "follows from the shape instead")
-    if inertia.HasAuthoredValue() and any(inertia.Get()):
-        notes.add("inertia of its own", body.name, "follows from the shape instead")
-
-
-def _differs(middle: Any, body: StageBody, shape: dict[str, Any], frame: Frame) -> bool:
-    """True if a centre of mass is not that of the shape, as far as that is known without sampling
-    it."""
-    place = np.array(middle, np.float64)
-    if not np.isfinite(place).all():
-        return False
-    said = place @ body.world[:3, :3] + body.world[3, :3]
-    if shape["kind"] in ("mesh", "triangles"):
-        return True
-    fields = {"shape": shape, "position": frame.origin.tolist(), "orientation": frame.quaternion()}
-    try:
-        found = _frangible.World.build({"bodies": [fields]}, 1).positions[0]
-    except _frangible.BuildError:
-        return True
-    size = np.abs(found - said).max()
-    return bool(size > 1e-4 * max(np.abs(found - frame.origin).max(), shape_size(shape)))
-
-
-def shape_size(shape: dict[str, Any]) -> float:
-    """Of a cube of its volume [m]."""
-    return float((shape_volume(shape) or 0.0) ** (1.0 / 3.0))
 
 
 def _number(prim: Any, name: str) -> float | None:

@@ -10,18 +10,17 @@ from .usd_notes import Notes
 
 #: Schemas of ours, and of UsdPhysics that are read.
 _READ = {"PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "PhysicsMassAPI"}
-_READ |= {"PhysicsMaterialAPI", "FrangibleFractureAPI"}
+_READ |= {"PhysicsMaterialAPI", "PhysicsFilteredPairsAPI", "FrangibleFractureAPI"}
 #: Schemas of UsdPhysics that are not, what they are for, and what becomes of that.
 _NAMED = {
     "PhysicsArticulationRootAPI": ("articulation", "its bodies move freely"),
-    "PhysicsFilteredPairsAPI": ("pairs that do not collide", "they collide"),
 }
 #: Prefixes of schemas of engines.
 _ENGINES = {"Physx": "PhysX", "Newton": "Newton", "Mjc": "MuJoCo", "Omni": "Omniverse"}
 
 
 def name_others(stage: Any, notes: Notes) -> None:
-    """Joints, collision groups, articulations, what is soft or does not collide, and settings of
+    """Joints, articulations, what is soft or does not collide, and settings of
     other engines."""
     predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
     for prim in stage.Traverse(predicate):
@@ -34,9 +33,7 @@ def name_others(stage: Any, notes: Notes) -> None:
             continue
         if prim.IsA(UsdGeom.Gprim) and not prim.HasAPI(UsdPhysics.CollisionAPI) and _is_seen(prim):
             notes.add("shape that does not collide", path)
-        if prim.IsA(UsdPhysics.CollisionGroup):
-            notes.add("collision group", path, "all bodies collide")
-        elif not prim.IsA(Usd.Typed) and prim.GetTypeName():
+        if not prim.IsA(Usd.Typed) and prim.GetTypeName():
             notes.add(f"type {prim.GetTypeName()}, which USD does not know", path)
         elif prim.IsA(UsdGeom.TetMesh):
             notes.add("body that bends", path)

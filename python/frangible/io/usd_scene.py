@@ -23,13 +23,16 @@ from .usd_compound import Hulls, body_shape
 from .usd_exact import with_exact_fields
 from .usd_fracture import fracture_of, voxels_of
 from .usd_frames import Frame, affine, frame_of, tidy, tidy_list
+from .usd_groups import add_groups
 from .usd_looks import has_look
-from .usd_mass import Units, density, name_what_is_computed, physics_material
+from .usd_mass import Units, density, physics_material
 from .usd_mesh import missing_files
 from .usd_notes import Notes
 from .usd_others import name_others
+from .usd_own_mass import own_mass
 from .usd_poses import is_animated, keyframes
 from .usd_starts import add_start
+from .usd_strength import add_vertex_strength
 from .usd_stage import metres_from_stage, number_of, open_stage, short_number, time_code
 
 #: Earth's gravity, where a stage leaves it open [m/s^2].
@@ -151,10 +154,13 @@ class _Importer:
             scene["frames"] = self.range.frames
         found = find_bodies(self.stage, self.world, self.time, self.notes)
         scene["bodies"] = []
+        bodies = []
         for body in found:
             if (fields := self._body(body, len(self.prims))) is not None:
                 scene["bodies"].append(fields)
                 self.prims.append(body.prim)
+                bodies.append(body)
+        add_groups(self.stage, bodies, scene["bodies"], self.notes)
         name_others(self.stage, self.notes)
         return scene
 
@@ -224,8 +230,12 @@ class _Importer:
         if body.motion != "static":
             self._add_motion(fields, body)
         if body.motion == "dynamic":
-            name_what_is_computed(body, shape, frame, self.notes)
             self._add_density(fields, body, fits, shape, "material" in fracture)
+            corners = np.concatenate([one.corners() for one in fits])
+            add_vertex_strength(fracture, body, frame, self.path, self.time, self.notes)
+            said = {**fields, **fracture}
+            if masses := own_mass(said, body, frame, corners, self.units, self.notes):
+                fields["mass_properties"] = masses
         elif body.motion == "kinematic" or is_animated(body.prim):
             self._add_poses(fields, body, frame, own)
         self._add_surface(fields, body, "material" in fracture)

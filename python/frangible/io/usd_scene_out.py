@@ -19,6 +19,8 @@ from .mesh_files import readable_mesh
 from .usd_exact import keep_exact_fields
 from .usd_fracture import write_fracture
 from .usd_frames import rotation_of
+from .usd_groups import write_filtered_pairs
+from .usd_own_mass import write_own_mass
 from .usd_scene import import_stage
 from .usd_stage import mark
 from .usd_starts import write_start
@@ -59,6 +61,9 @@ def write_usd_scene(scene: dict[str, Any], path: str, final: str) -> None:
         # Materials of the scene's own are no other program's: what they decide is written.
         is_preset = _has_preset(said, scene)
         writer.write(f"/World/{name}", body, {**body, **said} if is_preset else body)
+
+    paths = [f"/World/{name}" for name in own_names]
+    write_filtered_pairs(stage, paths, resolved["bodies"])
 
     # What it says otherwise than the scene is kept beside it.
     read, prims = import_stage(path, stage)
@@ -121,6 +126,7 @@ class _Writer:
             api.CreateAngularVelocityAttr(Gf.Vec3f(*turned))
         if motion == "dynamic":
             UsdPhysics.MassAPI.Apply(prim).CreateDensityAttr(float(self._value(body, "density")))
+            write_own_mass(prim, body)
             write_start(prim, body)
             write_fracture(prim, said)
 

@@ -14,6 +14,7 @@ from pxr import Tf, Usd, UsdUtils
 
 from .._frangible import BuildError
 from ..errors import one_sentence
+from .usd_faults import syntax_fault
 
 #: The key of a layer's custom data that says that we wrote it, and as what.
 MARKER = "frangible"
@@ -29,9 +30,18 @@ def open_stage(path: str, error: type[ValueError] = BuildError) -> Iterator[Any]
     silence = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         with redirect_stderr(io.StringIO()), one_sentence(path, "USD file", error):
-            yield Usd.Stage.Open(path)
+            yield _opened(path, error)
     finally:
         silence.TakeCoalescedDiagnostics()
+
+
+def _opened(path: str, error: type[ValueError]) -> Any:
+    try:
+        return Usd.Stage.Open(path)
+    except Tf.ErrorException as reason:
+        if (fault := syntax_fault(reason)) is None:
+            raise
+        raise error(fault) from None
 
 
 def written_as(stage: Any) -> str | None:

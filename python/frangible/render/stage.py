@@ -199,9 +199,7 @@ def build_stage(
         [np.zeros(0, np.int64), *(np.arange(first[i], first[i + 1]) for i in living)]
     )
     bodies = [surfaces.bodies[i] for i in living]
-    poses = [pose_between(body, frame if time is None else time) for body in bodies]
-    centres = np.array([position for position, _ in poses]).reshape(-1, 3) - camera.target
-    rotations = np.array([rotation_matrix(turn) for _, turn in poses]).reshape(-1, 3, 3)
+    centres, rotations = _places(bodies, frame if time is None else time, camera)
 
     # Place every triangle.
     body = np.repeat(np.arange(len(bodies)), counts)
@@ -211,13 +209,7 @@ def build_stage(
     reach = np.abs(soup).max(axis=(1, 2)) if len(soup) else np.zeros(0, np.float32)
     lift = np.concatenate([reach * LIFT_OF_REACH, np.zeros(0)]) + LIFT_OF_DISTANCE * distance
 
-    # A half-space is a plane without an edge.
-    planes, ups = [], []
-    for half_space in (one for one in recording.alive(frame) if is_half_space(one)):
-        position, orientation = half_space.pose(frame)
-        up = rotation_matrix(orientation)[:, 1]
-        ups.append(up)
-        planes.append(Plane(up.astype(np.float32), np.float32((position - camera.target) @ up)))
+    planes, ups = _planes(recording, frame, camera)
     more = len(planes)
     shares = surfaces.shares[shown]
     clear = np.concatenate([shares[:, 0], np.zeros(more, np.float32)])
@@ -230,9 +222,7 @@ def build_stage(
         glass=_scene(soup[is_clear]) if is_clear.any() else None,
         planes=planes,
         shown=shown.astype(np.int32),
-        normals=np.concatenate([normals, np.repeat(np.array(ups).reshape(-1, 1, 3), 3, 1)]).astype(
-            np.float32
-        ),
+        normals=np.concatenate([normals, np.repeat(ups[:, None], 3, axis=1)]).astype(np.float32),
         colours=np.concatenate([surfaces.colours[shown], np.tile(FLOOR_COLOUR, (more, 1))]),
         clear=clear,
         metallic=np.concatenate([shares[:, 1], np.zeros(more, np.float32)]),
@@ -245,13 +235,38 @@ def build_stage(
         ),
         distance=distance,
         lamp=lamp_direction(lit_by),
-        looks={
-            look: np.array([one.look == look for one in bodies] + [False] * more, np.bool_)
-            for look in ("wood", "concrete")
-        },
+        looks=_grains(bodies, more),
         spacing=spacing,
         grid_offset=np.mod(camera.target[[0, 2]], spacing).astype(np.float32),
     )
+
+
+def _places(bodies: list[Body], time: float, camera: Camera) -> tuple[Float64, Float64]:
+    """(b, 3) centres relative to the camera's target [m] and (b, 3, 3) rotations at a time
+    [frames]."""
+    poses = [pose_between(body, time) for body in bodies]
+    centres = np.array([position for position, _ in poses]).reshape(-1, 3) - camera.target
+    rotations = np.array([rotation_matrix(turn) for _, turn in poses]).reshape(-1, 3, 3)
+    return centres, rotations
+
+
+def _planes(recording: Recording, frame: int, camera: Camera) -> tuple[list[Plane], Float64]:
+    """Half-spaces as planes without an edge, and (p, 3) their normals in double precision."""
+    planes, ups = [], []
+    for half_space in (one for one in recording.alive(frame) if is_half_space(one)):
+        position, orientation = half_space.pose(frame)
+        up = rotation_matrix(orientation)[:, 1]
+        ups.append(up)
+        planes.append(Plane(up.astype(np.float32), np.float32((position - camera.target) @ up)))
+    return planes, np.array(ups, np.float64).reshape(-1, 3)
+
+
+def _grains(bodies: list[Body], planes: int) -> dict[str, Bool]:
+    """(b + planes,) of each look that has a texture, which bodies have it."""
+    return {
+        look: np.array([one.look == look for one in bodies] + [False] * planes, np.bool_)
+        for look in ("wood", "concrete")
+    }
 
 
 def _scene(soup: Float32) -> Any:

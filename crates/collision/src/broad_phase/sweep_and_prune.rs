@@ -37,12 +37,13 @@ struct Layout {
 /// Number of pair lists, at least the number of threads.
 const SHARES: usize = 16;
 
-/// All overlapping pairs of finite boxes of which at least one moves, unordered. Boxes within
+/// All overlapping pairs of finite boxes of which at least one moves and which may collide, unordered. Boxes within
 /// single-precision rounding may count as overlapping. With `thins`, crowds keep the
 /// [deepest](thinned) pairs; also returns the number of omitted pairs.
 pub(crate) fn overlapping_bounded(
     bounds: &[Bounds],
     moves: &[bool],
+    may_collide: &(impl Fn(usize, usize) -> bool + Sync),
     thins: bool,
 ) -> (Vec<Vec<Pair>>, usize) {
     let is_bounded =
@@ -88,7 +89,8 @@ pub(crate) fn overlapping_bounded(
     let pairs = threads::map(shares, bounded.len(), |strips| {
         let mut pairs = Vec::new();
         for &strip in strips {
-            sweep_strip(&entries[begin[strip]..begin[strip + 1]], strip as u32, most, &mut pairs);
+            let entries = &entries[begin[strip]..begin[strip + 1]];
+            sweep_strip(entries, strip as u32, may_collide, most, &mut pairs);
         }
         pairs
     });
@@ -103,7 +105,8 @@ pub(crate) fn overlapping_bounded(
             for at in 0..entries.len() {
                 of_one.clear();
                 sweep_one(entries, at, strip as u32, &mut of_one);
-                of_one.iter().for_each(|&pair| take(pair));
+                let meets = |pair: &&Pair| may_collide(pair.first, pair.second);
+                of_one.iter().filter(meets).for_each(|&pair| take(pair));
             }
         }
     });
@@ -111,7 +114,13 @@ pub(crate) fn overlapping_bounded(
 }
 
 /// Overlapping pairs whose later box begins in this strip; stops once `pairs` exceeds `most`.
-fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>) {
+fn sweep_strip(
+    entries: &[Entry],
+    strip: u32,
+    may_collide: &impl Fn(usize, usize) -> bool,
+    most: usize,
+    pairs: &mut Vec<Pair>,
+) {
     // Overlap is unpredictable: write every candidate without a branch, and overwrite misses.
     let mut with = vec![0; entries.len()];
     for (at, a) in entries.iter().enumerate() {
@@ -131,10 +140,11 @@ fn sweep_strip(entries: &[Entry], strip: u32, most: usize, pairs: &mut Vec<Pair>
         if pairs.len() > most {
             return;
         }
-        pairs.extend(with[..count].iter().map(|&other| {
+        let meet = with[..count].iter().map(|&other| {
             let (first, second) = (a.index.min(other) as usize, a.index.max(other) as usize);
             Pair { first, second }
-        }));
+        });
+        pairs.extend(meet.filter(|pair| may_collide(pair.first, pair.second)));
     }
 }
 

@@ -46,7 +46,7 @@ proptest! {
     #[test]
     fn strips_find_what_overlaps(boxes in boxes()) {
         let (bounds, moves): (Vec<Bounds>, Vec<bool>) = boxes.into_iter().unzip();
-        let found = sorted(&overlapping_bounded(&bounds, &moves, false).0, bounds.len());
+        let found = sorted(&overlapping_bounded(&bounds, &moves, &|_, _| true, false).0, bounds.len());
         prop_assert!(found.is_sorted_by(|a, b| a < b), "in order, none twice");
         for first in 0..bounds.len() {
             for second in first + 1..bounds.len() {

@@ -132,6 +132,9 @@ fn predict_deviations(
         visits += 1;
         let mut free_places = MAX_NEIGHBOURS;
         for other in spheres.reached(i, &found.deviations) {
+            if !bodies.may_collide(i, other) {
+                continue;
+            }
             let is_fixed = bodies.inertias[other].is_infinite();
             if !is_fixed && free_places == 0 {
                 continue;

@@ -8,6 +8,7 @@ use crate::scene::desc::breaking::BondsDesc;
 use crate::scene::desc::{
     BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
 };
+use crate::scene::own_mass::with_own_mass;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::starts::build_waiting;
@@ -16,8 +17,8 @@ use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
 use crate::world::{Label, World};
 use frangible_bodies::{
-    Bodies, BodyId, Inertia, Motion, NewBody, Pose, Rotation, StepSettings, SurfaceProperties,
-    Velocity,
+    Bodies, BodyId, CollisionClass, Inertia, Motion, NewBody, Pose, Rotation, StepSettings,
+    SurfaceProperties, Velocity,
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
@@ -57,6 +58,7 @@ impl World {
             contact_cache: ContactCache::default(),
             fits: BirthFits::default(),
             spared: Vec::new(),
+            note: String::new(),
             clock: None,
         };
         let mut library = ShapeLibrary::default();
@@ -65,7 +67,7 @@ impl World {
             let at = checker.field(&format!("bodies[{index}]"));
             let (new_body, label) = build_body(body, (scene.method, rate), &at, &mut library)
                 .map_err(|error| error.in_body(&names))?;
-            world.spawn(new_body, label);
+            world.spawn_described(body, new_body, label);
         }
         Ok(world)
     }
@@ -78,8 +80,15 @@ impl World {
     pub fn add_body(&mut self, body: &BodyDesc) -> Result<BodyId, BuildError> {
         let at = Checker::root().field("body");
         let method = (self.method, 1.0 / self.dt);
-        let (body, label) = build_body(body, method, &at, &mut ShapeLibrary::default())?;
-        Ok(self.spawn(body, label))
+        let (new_body, label) = build_body(body, method, &at, &mut ShapeLibrary::default())?;
+        Ok(self.spawn_described(body, new_body, label))
+    }
+
+    /// Adds a built body with the groups of its description.
+    fn spawn_described(&mut self, desc: &BodyDesc, mut body: NewBody, label: Label) -> BodyId {
+        let classes = &mut self.bodies.classes;
+        body.surface.class = classes.class_of(&desc.groups, &desc.passes_through);
+        self.spawn(body, label)
     }
 }
 
@@ -188,6 +197,7 @@ fn build_body(
     if !has_no_mass {
         check_size(&shape, at)?;
     }
+    let (shape, density) = with_own_mass(desc, shape, density, at)?;
     if desc.motion == MotionDesc::Dynamic {
         check_inertia(&shape, density, at)?;
     }
@@ -247,6 +257,7 @@ fn build_surface(desc: &BodyDesc, at: &Checker) -> Result<SurfaceProperties, Bui
         spinning_friction: at.field("spinning_friction").not_negative(desc.spinning_friction)?,
         restitution: at.field("restitution").within(desc.restitution, 0.0, 1.0)?,
         strength: f64::INFINITY,
+        class: CollisionClass::default(),
     })
 }
 

@@ -2,11 +2,13 @@
 
 pub(crate) mod breaking;
 pub(crate) mod defaults;
+pub(crate) mod mass_properties;
 pub(crate) mod read;
 pub(crate) mod starts;
 pub(crate) mod strength_points;
 
 use breaking::{BondsDesc, BreakingDesc};
+use mass_properties::MassDesc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use starts::StartsDesc;
@@ -143,6 +145,15 @@ pub struct BodyDesc {
     /// From 1e-6 to 1e9 [kg/m^3].
     #[serde(default = "defaults::density")]
     pub density: f64,
+    /// Of a body that is not filled evenly; a dynamic one that neither breaks nor is glued.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass_properties: Option<MassDesc>,
+    /// Names of the groups that it is in, for `passes_through` of others; its pieces are too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<String>,
+    /// Groups whose bodies it does not collide with, nor they with it; its pieces do not either.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passes_through: Vec<String>,
     /// Coulomb's coefficient; a pair has the smaller of its two.
     #[serde(default = "defaults::half")]
     pub friction: f64,
@@ -490,6 +501,9 @@ impl BodyDesc {
             path: Vec::new(),
             starts: None,
             density: defaults::density(),
+            mass_properties: None,
+            groups: Vec::new(),
+            passes_through: Vec::new(),
             friction: defaults::half(),
             rolling_friction: 0.0,
             spinning_friction: 0.0,
