@@ -160,6 +160,7 @@ impl Stage {
             contact_cache: Default::default(),
             fits: Default::default(),
             spared: Vec::new(),
+            hand: Default::default(),
             clock: None,
         };
         let bodies = &world.bodies;
