@@ -105,7 +105,7 @@ site: $(VENV)/.installed $(PLAYGROUND) tests/tools/node_modules/.package-lock.js
 publish-check: build $(NPM) ## Pack crates, wheel and npm package as for publishing, and look at what is in them
 	cargo package --locked --no-verify --allow-dirty $(foreach crate,$(CRATES),--package $(crate))
 	$(BIN)/python -m zipfile --list target/wheels/frangible-*.whl | tail -n +2 | wc -l
-	cd web/npm && npm pack --dry-run
+	cd web && node npm/check.mjs
 
 # Vectors are tested with the page; this takes minutes to compile, so `make test` leaves it out.
 test-wasm: $(PLAYGROUND) ## Check that WebAssembly without vectors ends in the same states too

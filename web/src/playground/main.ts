@@ -111,8 +111,15 @@ class Playground implements Bench {
         this.story = told.story;
         if (this.opening !== null) this.player?.clock.seek(this.opening);
         this.opening = null;
-        document.documentElement.dataset["busy"] = String(this.busy);
+        this.tellDeeds();
     }
+  }
+
+  /** For tests, and for who looks closely. */
+  private tellDeeds(): void {
+    const { actions } = this.story;
+    const count = (name: string): string => String(actions.filter((action) => name in action).length);
+    Object.assign(document.documentElement.dataset, { busy: String(this.busy), actions: String(actions.length), cuts: count("cut"), drags: count("hold"), bursts: count("burst") });
   }
 
   private take({ state }: Told & { kind: "frame" }): void {
@@ -165,6 +172,7 @@ class Playground implements Bench {
     input("timeline").value = String(clock.time);
     element("play").textContent = clock.playing ? "Pause" : "Play";
     const data = document.documentElement.dataset;
+    data["eye"] = player.camera.position.toArray().map((part) => part.toFixed(2)).join();
     [data["frame"], data["bodies"], data["hash"], data["frames"]] = [String(clock.frame), String(state.ids.length), state.hash, String(footage.frames)];
   }
 

@@ -4,6 +4,6 @@ export { LiveFootage } from "./live";
 export { shaded } from "../../npm/src/normals";
 export { MATERIALS, PATTERNS, SHAPES, SHOTS, sceneOf } from "./recipe";
 export { crossed, pick } from "./pick";
-export { scene } from "./save";
+export { scene } from "./pieces";
 export { decode, encode } from "./share";
 export { Simulator, ball } from "./simulator";
