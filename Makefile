@@ -18,6 +18,9 @@ PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frang
 PLAYER := python/frangible/player.html
 PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src web/npm/src -type f)
 
+# What goes to crates.io, in the order in which each needs those before it.
+CRATES := frangible-math frangible-geometry frangible-bodies frangible-collision frangible-fracture frangible-dynamics frangible
+
 # The engine as a page loads it, and the page.
 ENGINE := web/engine
 VECTORS := +simd128
@@ -27,7 +30,7 @@ PLAYGROUND := web/dist/playground/playground.html
 NPM := web/npm/dist/three.js
 NPM_SOURCES := $(shell find web/npm/src -type f) web/npm/build.mjs web/npm/tsconfig.json web/npm/package.json
 
-.PHONY: help build web npm demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
+.PHONY: help build web npm site publish-check demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -87,6 +90,22 @@ test-web: web/node_modules/.package-lock.json $(PLAYGROUND) $(NPM) tests/tools/n
 web: $(PLAYGROUND) ## Build the engine for browsers, and the page to break things in: web/dist/playground
 
 npm: $(NPM) ## Build the package for npm: web/npm, for `npm pack`
+
+# The gallery plays what this machine simulates: some minutes the first time.
+site: $(VENV)/.installed $(PLAYGROUND) tests/tools/node_modules/.package-lock.json ## Build playground, gallery and documentation as one folder: out/site
+	@mkdir -p $(OUT)/figures
+	node web/site/bunny.mjs > $(OUT)/figures/bunny.obj
+	for shot in $$(node -p 'Object.values(require("./web/site/figures.json")).flatMap(Object.keys).join(" ")'); do \
+	  test $(OUT)/figures/$$shot.html -nt $(VENV)/.installed || $(BIN)/frangible run $$shot --quiet \
+	    $$(test $$shot = bunny && echo --mesh $(OUT)/figures/bunny.obj) --out $(OUT)/figures/$$shot.html || exit 1; \
+	done
+	cd web && node site/build.mjs dist/playground ../$(OUT)/figures ../$(OUT)/site
+
+# Nothing is published. Crates that wait for one another on crates.io are packed, and not compiled from there.
+publish-check: build $(NPM) ## Pack crates, wheel and npm package as for publishing, and look at what is in them
+	cargo package --locked --no-verify --allow-dirty $(foreach crate,$(CRATES),--package $(crate))
+	$(BIN)/python -m zipfile --list target/wheels/frangible-*.whl | tail -n +2 | wc -l
+	cd web && node npm/check.mjs
 
 # Vectors are tested with the page; this takes minutes to compile, so `make test` leaves it out.
 test-wasm: $(PLAYGROUND) ## Check that WebAssembly without vectors ends in the same states too

@@ -408,6 +408,42 @@ class World:
         is static or waits, or a number is not finite.
         """
 
+    def apply_impulse(self, id: int, impulse: npt.ArrayLike, point: npt.ArrayLike) -> float:
+        """Give a dynamic body an impulse (3) [N s] at a point (3) [m], both in the world frame.
+
+        Returns its work [J], which the next report counts as such. `BuildError` if the body lives
+        no longer, is not dynamic or waits, or would become too fast.
+        """
+
+    def hold(
+        self, id: int, point: npt.ArrayLike, target: npt.ArrayLike, force: float
+    ) -> None:
+        """Pull a point (3) of a dynamic body's own frame to a target (3) in the world frame [m].
+
+        In each frame, with at most so much force [N], until `let_go`, or until the body breaks.
+        Reports count the work. Holding a body again moves the hand. `BuildError` as for
+        `apply_impulse`.
+        """
+
+    def let_go(self, id: int) -> bool:
+        """Let go of a body; False if it is not held."""
+
+    def cut(self, id: int, point: npt.ArrayLike, normal: npt.ArrayLike) -> list[int]:
+        """Cut a body along the plane through a point (3) [m], across a normal (3), world frame.
+
+        Returns its pieces, none if the plane does not part it. They have its mass and motion, and
+        break as it would have. Of a glued body the bonds give way whose pieces lie on both sides.
+        `BuildError` if the body lives no longer, waits or cannot be cut.
+        """
+
+    def burst(self, id: int, point: npt.ArrayLike, speed: float = 0.0) -> list[int]:
+        """Break a body by its pattern, as a blow at a point (3) of its surface would [m].
+
+        Sends the pieces apart, the farthest with `speed` [m/s], without a change of momentum.
+        Returns them. A glued body loses all bonds. `BuildError` if the body lives no longer, waits
+        or is unbreakable.
+        """
+
     def surface(
         self, id: int
     ) -> tuple[

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { before, test } from "node:test";
-import { LiveFootage, MATERIALS, PATTERNS, SHAPES, Simulator, World, ball, decode, encode, sceneOf, shaded, shotScene } from "../dist/playground.mjs";
+import { LiveFootage, MATERIALS, PATTERNS, SHAPES, SHOTS, Simulator, World, ball, crossed, decode, encode, pick, scene, sceneOf, shaded, shotScene } from "../dist/playground.mjs";
+import { Box3, Vector3 } from "three";
 import { load } from "./engine.mjs";
 
 before(load);
@@ -30,19 +31,20 @@ test("shots end in the states that the native engine ends in", async () => {
   }
 });
 
-test("a story ends in the state that the native engine ends in", async () => {
-  const { frames, hash, ...story } = JSON.parse(await read("story.json"));
-  const { simulator, last, faults } = listener();
-  simulator.obey({ kind: "build", story, frames });
-  assert.deepEqual(faults(), []);
-  assert.deepEqual([last().frame, last().hash], [frames, hash]);
-});
+for (const file of ["story.json", "deeds.json"])
+  test(`${file} ends in the state that the native engine ends in`, async () => {
+    const { frames, hash, ...story } = JSON.parse(await read(file));
+    const { simulator, last, faults } = listener();
+    simulator.obey({ kind: "build", story: await decode(await encode(story)), frames });
+    assert.deepEqual(faults(), []);
+    assert.deepEqual([last().frame, last().hash], [frames, hash]);
+  });
 
 test("a story that was played with ends in the same state when it is told again", async () => {
   const played = listener();
   played.simulator.obey({ kind: "build", story: STORY, frames: 0 });
   played.simulator.obey({ kind: "step", frames: 12 });
-  played.simulator.obey({ kind: "add", body: ball(0.1, [0.5, 1, 2], [0, 0, -25], 2) });
+  played.simulator.obey({ kind: "do", deed: { add: ball(0.1, [0.5, 1, 2], [0, 0, -25], 2) } });
   played.simulator.obey({ kind: "step", frames: 20 });
   assert.deepEqual(played.faults(), []);
   assert.ok(played.last().ids.length > 10, "the wall is whole");
@@ -57,7 +59,7 @@ test("what is undone has not happened", () => {
   const { simulator, told, last, states } = listener();
   simulator.obey({ kind: "build", story: STORY, frames: 5 });
   const { hash, frame } = last();
-  simulator.obey({ kind: "add", body: ball(0.1, [0, 1, 1], [0, 0, -25], 2) });
+  simulator.obey({ kind: "do", deed: { add: ball(0.1, [0, 1, 1], [0, 0, -25], 2) } });
   simulator.obey({ kind: "step", frames: 10 });
   const changed = last().hash;
   simulator.obey({ kind: "undo" });
@@ -75,12 +77,83 @@ test("what is undone has not happened", () => {
   assert.ok(toldBorn.length >= last().ids.length - 4);
 });
 
+test("a drag is undone at once, and what changes nothing is no deed", () => {
+  const { simulator, told, last, faults } = listener();
+  simulator.obey({ kind: "build", story: { scene: sceneOf(CHOICE), actions: [] }, frames: 2 });
+  const before = last();
+  const wall = before.ids[1];
+  const does = (deed) => simulator.obey({ kind: "do", deed });
+  const hold = (y) => does({ hold: { body: wall, point: [0.5, 0, 0], target: [0.5, y, 0], force: 6e4 } });
+  for (const y of [1, 1.5, 2]) {
+    hold(y);
+    simulator.obey({ kind: "step", frames: 5 });
+  }
+  does({ letGo: wall });
+  does({ letGo: wall });
+  does({ cut: { body: wall, point: [0, 9, 0], normal: [0, 1, 0] } });
+  assert.deepEqual(faults(), []);
+  assert.equal(told.at(-1).story.actions.length, 4);
+  assert.ok(last().poses[8] > 1, `lifted to ${last().poses[8]} m`);
+  simulator.obey({ kind: "undo" });
+  assert.equal(told.at(-1).story.actions.length, 0);
+  simulator.obey({ kind: "step", frames: 1 });
+  assert.equal(last().frame, before.frame + 1);
+  assert.ok(last().poses[8] < 0.81);
+  simulator.obey({ kind: "undo" });
+  assert.equal(told.at(-1).kind, "done");
+});
+
+test("what is under the pointer is found, and what a line crosses", () => {
+  const { simulator, states, last } = listener();
+  simulator.obey({ kind: "build", story: STORY, frames: 1 });
+  const footage = new LiveFootage("", 60, states()[0]);
+  footage.append(last());
+  const from = (x, y, z) => ({ origin: new Vector3(x, y, z), direction: new Vector3(0, 0, -1) });
+  // The wall is 2.4 x 1.6 x 0.25 m and stands on the ground; the ball is before it.
+  const hit = pick(footage, 0, from(0.7, 0.5, 5));
+  assert.deepEqual([hit.name, hit.body], ["wall", last().ids[1]]);
+  assert.ok(hit.point.distanceTo(new Vector3(0.7, 0.5, 0.125)) < 1e-5 && hit.pointBody.distanceTo(new Vector3(0.7, -0.3, 0.125)) < 1e-5);
+  assert.equal(pick(footage, 1, from(0, 0.9, 5)).name, "ball 1");
+  assert.equal(pick(footage, 0, from(3, 0.5, 5)), null);
+  const eye = new Vector3(0, 0.8, 5);
+  const towards = (x, y) => ({ origin: eye, direction: new Vector3(x, y, 0).sub(eye).normalize() });
+  const { bodies, normal } = crossed(footage, 0, towards(-2, 1.2), towards(2, 1.2));
+  assert.deepEqual(bodies, [hit.body]);
+  // The plane holds the eye and the line.
+  assert.ok(Math.abs(normal.dot(towards(0.3, 1.2).direction)) < 1e-9);
+  simulator.obey({ kind: "do", deed: { cut: { body: bodies[0], point: eye.toArray(), normal: normal.toArray() } } });
+  simulator.obey({ kind: "step", frames: 1 });
+  assert.equal(last().ids.length, states()[1].ids.length + 1);
+});
+
+test("pieces that are taken home are where they were seen", () => {
+  const { simulator, states } = listener();
+  simulator.obey({ kind: "build", story: STORY, frames: 12 });
+  const [first, ...rest] = states();
+  const footage = new LiveFootage("", 60, first);
+  for (const state of rest) footage.append(state);
+  const group = scene(footage, 12);
+  assert.equal(group.children.length, footage.state(12).ids.length - 1);
+  const box = new Box3().setFromObject(group, true);
+  assert.ok(box.min.y > -0.01 && box.max.y < 2 && box.max.x < 2, JSON.stringify(box));
+  for (const { geometry, material } of group.children)
+    for (const { materialIndex, count } of geometry.groups) assert.ok(material[materialIndex] !== undefined && count % 3 === 0);
+});
+
+test("scenes of the menu are the engine's", () => {
+  for (const name of Object.keys(SHOTS)) assert.ok(JSON.parse(shotScene(name)).bodies.length > 1, name);
+  const { simulator, last, faults } = listener();
+  simulator.obey({ kind: "shot", name: "stack" });
+  assert.deepEqual(faults(), []);
+  assert.ok(last().ids.length > 2);
+});
+
 test("faults are sentences", () => {
   const { simulator, faults } = listener();
   simulator.obey({ kind: "step", frames: 1 });
   simulator.obey({ kind: "build", story: { scene: '{"bodies": [{"shape": {"kind": "sphere", "radius": -1}}]}', actions: [] }, frames: 1 });
   simulator.obey({ kind: "build", story: STORY, frames: 1 });
-  simulator.obey({ kind: "add", body: { shape: { kind: "sphere" } } });
+  simulator.obey({ kind: "do", deed: { add: { shape: { kind: "sphere" } } } });
   assert.equal(faults()[0], "nothing is built yet");
   assert.match(faults()[1], /^bodies\[0\]\.shape\.radius: -1/);
   assert.match(faults()[2], /^body\.shape/);
@@ -110,7 +183,7 @@ test("a dropped mesh stands on the ground, and breaks", () => {
   simulator.obey({ kind: "build", story: { scene: sceneOf({ ...CHOICE, shape }), actions: [] }, frames: 10 });
   assert.deepEqual(faults(), []);
   assert.ok(Math.abs(last().poses[8] - 0.75) < 0.01, `its middle stands at ${last().poses[8]} m`);
-  simulator.obey({ kind: "add", body: ball(0.2, [0, 0.8, 1], [0, 0, -40], 1) });
+  simulator.obey({ kind: "do", deed: { add: ball(0.2, [0, 0.8, 1], [0, 0, -40], 1) } });
   simulator.obey({ kind: "step", frames: 6 });
   assert.ok(last().ids.length > 10);
 });
@@ -168,6 +241,6 @@ test("footage shows each frame as the world told it, and forgets what is undone"
 
 test("a damaged link is refused", async () => {
   const text = await encode(STORY);
-  for (const bad of [text.slice(0, -9), "", "%%%", await encode({ scene: 3, actions: [] }), await encode({ scene: "{}", actions: [{ frame: -1, add: {} }] })])
+  for (const bad of [text.slice(0, -9), "", "%%%", await encode({ scene: 3, actions: [] }), ...(await Promise.all([{ frame: -1, add: {} }, { frame: 1 }, { frame: 1, add: {}, letGo: 3 }, { frame: 1, jump: 3 }, { frame: 1, cut: { body: 1, point: [0, 1], normal: [0, 1, 0] } }].map((action) => encode({ scene: "{}", actions: [action] }))))])
     await assert.rejects(decode(bad));
 });

@@ -48,8 +48,8 @@ after(async () => {
 });
 
 /** A page of its own, whose faults fail the test. */
-async function open(hash = "") {
-  const page = await browser.newPage({ viewport: { width: 480, height: 300 } });
+async function open(hash = "", context = null) {
+  const page = context === null ? await browser.newPage({ viewport: { width: 480, height: 300 } }) : await context.newPage();
   page.faults = [];
   page.on("pageerror", (error) => page.faults.push(error.message));
   page.on("console", (message) => message.type() === "error" && page.faults.push(message.text()));
@@ -68,6 +68,15 @@ async function until(page, condition) {
     await page.waitForTimeout(50);
   }
   throw new Error(`${condition}: ${JSON.stringify(await data(page))}, ${page.faults}`);
+}
+
+/** The pointer goes from one place to another, and stays there for some pictures. */
+async function stroke(page, from, to, { rest = 0 } = {}) {
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move(...to, { steps: 6 });
+  for (let wait = 0; wait < rest; wait++) await page.waitForTimeout(50);
+  await page.mouse.up();
 }
 
 const data = (page) => page.evaluate(() => ({ ...document.documentElement.dataset }));
@@ -89,8 +98,18 @@ test("a visitor sees a wall that breaks, throws a ball, undoes it, and shares th
   // What is shared is the same elsewhere.
   await page.click("#play");
   await until(page, ({ busy }) => busy === "0");
-  await page.click("#throw");
+  await page.click("#use");
   await until(page, ({ bodies }) => Number(bodies) > count(before));
+
+  // A line over the wall cuts what it crosses, and a press breaks a piece's neighbour.
+  await page.click("#slice");
+  await stroke(page, [120, 130], [360, 170]);
+  await until(page, ({ cuts }) => Number(cuts) > 0);
+  // A piece follows the pointer.
+  await page.click("#drag");
+  await stroke(page, [240, 150], [240, 60], { rest: 12 });
+  await until(page, ({ drags }) => Number(drags) > 0);
+  await page.screenshot({ path: join(PICTURES, "sliced.png") });
   await page.click("#play");
   await until(page, ({ busy }) => busy === "0");
   await page.click("#share");
@@ -106,15 +125,55 @@ test("a visitor sees a wall that breaks, throws a ball, undoes it, and shares th
   await other.close();
 });
 
-test("a link shows the state that the native engine ends in", { skip, timeout: 400_000 }, async () => {
-  const { frames, hash, ...story } = JSON.parse(await readFile(new URL("story.json", import.meta.url), "utf8"));
-  const page = await open(`#frames=${frames}&story=${await encode(story)}`);
-  const found = await until(page, ({ frame }) => frame === String(frames));
-  assert.equal(found.hash, hash);
-  await page.screenshot({ path: join(PICTURES, "story.png") });
+test("fingers throw, cut and burst", { skip, timeout: 400_000 }, async () => {
+  const context = await browser.newContext({ viewport: { width: 400, height: 640 }, hasTouch: true, isMobile: true });
+  const page = await open("", context);
+  await until(page, ({ frames }) => Number(frames) > 0);
+  const actions = async () => Number((await data(page)).actions);
+  const first = await until(page, ({ busy, actions }) => busy === "0" && actions === "1");
+  await page.touchscreen.tap(200, 300);
+  await until(page, ({ actions }) => actions === "2");
+  await page.tap("#slice");
+  const session = await context.newCDPSession(page);
+  const touch = (type, x, y) => session.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y }] });
+  await touch("touchStart", 60, 290);
+  for (let x = 80; x <= 340; x += 20) await touch("touchMove", x, 300);
+  await touch("touchEnd");
+  await until(page, ({ cuts }) => Number(cuts) > 0);
+  const camera = (await data(page)).eye;
+  assert.equal(camera, first.eye, "a cut does not turn the view");
+  assert.ok((await actions()) >= 3);
+  await page.screenshot({ path: join(PICTURES, "touch.png") });
+  assert.deepEqual(page.faults, []);
+  await context.close();
+});
+
+test("a visitor takes pieces and a film home", { skip, timeout: 400_000 }, async () => {
+  const page = await open();
+  await until(page, ({ bodies }) => Number(bodies) > 20);
+  const [file] = await Promise.all([page.waitForEvent("download"), page.click("#gltf")]);
+  const content = await readFile(await file.path());
+  assert.equal(content.toString("latin1", 0, 4), "glTF");
+  const length = content.readUInt32LE(12);
+  const { nodes, meshes } = JSON.parse(content.toString("utf8", 20, 20 + length));
+  assert.ok(meshes.length > 20 && nodes.length > 20, `${meshes.length} meshes`);
+  const [movie] = await Promise.all([page.waitForEvent("download"), page.click("#film")]);
+  assert.match(movie.suggestedFilename(), /\.(webm|mp4)$/);
+  assert.ok((await readFile(await movie.path())).length > 1000);
   assert.deepEqual(page.faults, []);
   await page.close();
 });
+
+for (const file of ["story.json", "deeds.json"])
+  test(`${file}: a link shows the state that the native engine ends in`, { skip, timeout: 400_000 }, async () => {
+    const { frames, hash, ...story } = JSON.parse(await readFile(new URL(file, import.meta.url), "utf8"));
+    const page = await open(`#frames=${frames}&story=${await encode(story)}`);
+    const found = await until(page, ({ frame }) => frame === String(frames));
+    assert.equal(found.hash, hash);
+    await page.screenshot({ path: join(PICTURES, file.replace("json", "png")) });
+    assert.deepEqual(page.faults, []);
+    await page.close();
+  });
 
 test("a mesh that is dropped breaks", { skip, timeout: 400_000 }, async () => {
   const page = await open();

@@ -62,4 +62,5 @@ pub use shatter::shatter;
 pub use shatter_hull::shatter_hull;
 pub use slivers::{Contact, Smallest, join_slivers};
 pub use strength_points::StrengthPoints;
+pub use stress::RigidPiece;
 pub use velocities::fragment_velocity;

@@ -20,6 +20,7 @@
 //! ```
 
 mod fingerprint;
+mod hand;
 mod report;
 mod scene;
 mod snapshot;

@@ -6,7 +6,7 @@ pub(crate) mod books;
 use crate::report::at_rest::{PieceContact, RestPose};
 use frangible_bodies::BodyId;
 use frangible_dynamics as dynamics;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One frame.
 #[derive(Clone, Debug, Serialize)]
@@ -55,7 +55,7 @@ pub struct Energy {
     pub potential: f64,
     /// Their sum.
     pub total: f64,
-    /// Work of kinematic bodies in this frame, plus the work of penetration recovery, which is
+    /// Work of kinematic bodies in this frame and of the caller's hand, plus the work of penetration recovery, which is
     /// bounded by overlap depth and `recovery_speed`.
     pub work: f64,
     /// Growth of the ledger's banks in this frame: dissipated energy available for reuse.
@@ -73,7 +73,7 @@ pub struct Energy {
 /// Energy change of the dynamic bodies in one frame, by cause [J]; the sum is E(n+1) - E(n).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Causes {
-    /// Kinematic bodies.
+    /// Kinematic bodies, and impulses of the caller since the frame before.
     pub work: f64,
     /// Impacts with restitution.
     pub collision: f64,
@@ -153,13 +153,13 @@ pub struct Impulses {
 }
 
 /// A body broke.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fracture {
     /// Start of the frame, when the pieces took the body's place [s].
     pub time: f64,
     /// The broken body; its id is no longer alive.
     pub body: u64,
-    /// The striker; the body itself if its bonds gave way under load.
+    /// The striker; the body itself if its bonds gave way under load, or if the caller cut it.
     pub striker: u64,
     /// Where the two first touched on their way through the frame, in the world frame [m]. The
     /// fracture is centred on the material that was there then.
@@ -172,7 +172,7 @@ pub struct Fracture {
     /// impulse.
     pub energy: f64,
     /// Number of pieces in the body's description, if given.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wanted: Option<usize>,
     /// Fragments of the body.
     pub fragments: Vec<u64>,
@@ -203,7 +203,7 @@ pub struct Quarantined {
 
 /// Relative differences between a body and the sum of its fragments: of momenta, to the sum of the
 /// lengths of the fragments'.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Imbalance {
     /// Of mass.
     pub mass: f64,

@@ -8,6 +8,8 @@ pub(crate) mod quarantine;
 mod stage_clock;
 pub(crate) mod waiting;
 
+use crate::hand::grip::pull_held;
+use crate::hand::state::Handled;
 use crate::report::books::{Totals, gravity_impulse};
 use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use crate::scene::desc::Method;
@@ -51,6 +53,7 @@ fn advance(world: &mut World) -> StepReport {
 
     // Kinematic bodies are where their paths say, and bodies that wait start.
     follow_paths(world);
+    pull_held(world);
     start_and_advance(world, &frame, advance_started)
 }
 
@@ -94,6 +97,10 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     broken.extend(fractures);
     let culprits = contain(world, &solved_from, &mut accounts);
 
+    // What the caller did before the frame is part of its report.
+    let Handled { work: by_hand, fractures: cut_up } = std::mem::take(&mut world.hand.handled);
+    freed.extend(cut_up);
+
     // Balance the energy of every island.
     accounts.links.extend(broken.iter().flat_map(Fracture::links));
     let balance = world.ledger.balance(
@@ -110,6 +117,8 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     quarantined.extend(culprits);
     take_out_faulty(world, &mut quarantined);
     let after = Totals::of(&world.bodies, frame);
+    let before = Totals { kinetic: before.kinetic - by_hand, ..before };
+    accounts.causes.work += by_hand;
     let banked = world.ledger.bank() - bank;
     // Frames with removed bodies have no comparable sums.
     let (energy, momentum) = if quarantined.is_empty() {
@@ -249,13 +258,15 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
         strike_and_break(world, &mut accounts, &mut quarantined, frame, clock);
 
     // Pairs near their paths may touch; the solver handles contact.
-    let World { bodies, warm, contact_cache, labels, fits, .. } = world;
+    let World { bodies, warm, contact_cache, labels, fits, hand, .. } = world;
     let found = contact_cache.find_manifolds(bodies, &swept.pairs, warm, frame);
     clock.lap("find_manifolds");
 
     find_impact_chain(bodies, &predicted, &swept, (found, warm), frame);
     clock.lap("impact_chain");
-    let broken: BTreeSet<u64> = fractures.iter().map(|fracture| fracture.body).collect();
+    let cut_up = &hand.handled.fractures;
+    let broken: BTreeSet<u64> =
+        fractures.iter().chain(cut_up).map(|fracture| fracture.body).collect();
     fits.forgive(bodies, found, |pair| {
         let parent = |i: usize| labels[i].parent;
         let is_newborn = |parent| broken.contains(&id_number(parent));

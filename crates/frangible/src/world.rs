@@ -1,6 +1,7 @@
 //! The world: bodies, how they break, and the books.
 
 use crate::fingerprint::Fnv1a;
+use crate::hand::state::Hand;
 use crate::report::books::{Books, Totals};
 use crate::report::id_number;
 use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
@@ -44,6 +45,8 @@ pub struct World {
     pub(crate) spared: Vec<(BodyId, f64)>,
     /// A text of the caller's.
     pub(crate) note: String,
+    /// What the caller holds, and did since the last frame.
+    pub(crate) hand: Hand,
     /// The caller's [s], for the report.
     #[serde(skip)]
     pub(crate) clock: Option<fn() -> f64>,
@@ -216,7 +219,7 @@ impl World {
     }
 
     /// Dense index of a living body.
-    fn living(&self, id: BodyId) -> Result<usize, BuildError> {
+    pub(crate) fn living(&self, id: BodyId) -> Result<usize, BuildError> {
         let rule = "the id of a living body";
         let broken = || Checker::root().field("body").broken(&id_number(id).to_string(), rule);
         self.bodies.index_of(id).ok_or_else(broken)

@@ -5,7 +5,7 @@ use crate::errors::build_error;
 use crate::interrupt::interruptible;
 use crate::threads::{Pool, busy};
 use frangible::bodies::Motion;
-use frangible::{LookDesc, SceneDesc, id_from_number, id_number};
+use frangible::{BuildError, LookDesc, SceneDesc, id_from_number, id_number};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -20,6 +20,9 @@ type SurfaceArrays<'py> = (
     Bound<'py, PyArray1<bool>>,
     Bound<'py, PyArray3<f32>>,
 );
+
+/// Three numbers.
+type Three<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
 /// More threads than any machine has processors only take memory.
 const MOST_THREADS: usize = 4096;
@@ -43,6 +46,14 @@ impl World {
                 "the world was left in the middle of a step: build it anew",
             )),
         }
+    }
+
+    /// What a caller does to the world; answers with the rule that it breaks.
+    fn act<T>(
+        &self,
+        act: impl FnOnce(&mut frangible::World) -> Result<T, BuildError>,
+    ) -> PyResult<T> {
+        act(&mut self.inner()?.world).map_err(build_error)
     }
 
     /// A world of plain data, or of JSON.
@@ -132,7 +143,7 @@ impl World {
 
     /// Take a living body out.
     fn remove_body(&self, id: u64) -> PyResult<()> {
-        self.inner()?.world.remove_body(id_from_number(id)).map_err(build_error)
+        self.act(|world| world.remove_body(id_from_number(id)))
     }
 
     /// Advance by one frame and report on it.
@@ -285,16 +296,45 @@ impl World {
     }
 
     /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], world frame.
-    fn set_velocity(
-        &self,
-        id: u64,
-        linear: PyArrayLike1<'_, f64, AllowTypeChange>,
-        angular: PyArrayLike1<'_, f64, AllowTypeChange>,
-    ) -> PyResult<()> {
+    fn set_velocity(&self, id: u64, linear: Three<'_>, angular: Three<'_>) -> PyResult<()> {
         let (linear, angular) =
             (convert::vector("linear", &linear)?, convert::vector("angular", &angular)?);
-        let world = &mut self.inner()?.world;
-        world.set_velocity(id_from_number(id), linear.into(), angular.into()).map_err(build_error)
+        self.act(|world| world.set_velocity(id_from_number(id), linear.into(), angular.into()))
+    }
+
+    /// An impulse at a point; its work.
+    fn apply_impulse(&self, id: u64, impulse: Three<'_>, point: Three<'_>) -> PyResult<f64> {
+        let (impulse, point) =
+            (convert::vector("impulse", &impulse)?, convert::vector("point", &point)?);
+        self.act(|world| world.apply_impulse(id_from_number(id), impulse.into(), point.into()))
+    }
+
+    /// Pull a point of a body to a place, until it is let go.
+    fn hold(&self, id: u64, point: Three<'_>, target: Three<'_>, force: f64) -> PyResult<()> {
+        let (point, target) =
+            (convert::vector("point", &point)?, convert::vector("target", &target)?);
+        self.act(|world| world.hold(id_from_number(id), point.into(), target.into(), force))
+    }
+
+    /// Let go of a body; False if it is not held.
+    fn let_go(&self, id: u64) -> PyResult<bool> {
+        Ok(self.inner()?.world.let_go(id_from_number(id)))
+    }
+
+    /// Cut a body along a plane; its pieces.
+    fn cut(&self, id: u64, point: Three<'_>, normal: Three<'_>) -> PyResult<Vec<u64>> {
+        let (point, normal) =
+            (convert::vector("point", &point)?, convert::vector("normal", &normal)?);
+        let cut = self.act(|world| world.cut(id_from_number(id), point.into(), normal.into()))?;
+        Ok(cut.into_iter().map(id_number).collect())
+    }
+
+    /// Break a body by its pattern and send the pieces apart; the pieces.
+    #[pyo3(signature = (id, point, speed=0.0))]
+    fn burst(&self, id: u64, point: Three<'_>, speed: f64) -> PyResult<Vec<u64>> {
+        let point = convert::vector("point", &point)?;
+        let burst = self.act(|world| world.burst(id_from_number(id), point.into(), speed))?;
+        Ok(burst.into_iter().map(id_number).collect())
     }
 
     /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and

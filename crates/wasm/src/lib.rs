@@ -200,6 +200,61 @@ impl World {
         self.world.remove_body(body(id)).map_err(error)
     }
 
+    /// Gives a dynamic body an impulse [N s] at a point [m], three numbers each, world frame;
+    /// returns its work [J], which the next report counts as such. Throws the first rule that it
+    /// breaks.
+    #[wasm_bindgen(js_name = applyImpulse)]
+    pub fn apply_impulse(
+        &mut self,
+        id: f64,
+        impulse: Vec<f64>,
+        point: Vec<f64>,
+    ) -> Result<f64, JsError> {
+        let (impulse, point) = (vector("impulse", impulse)?, vector("point", point)?);
+        self.world.apply_impulse(body(id), impulse.into(), point.into()).map_err(error)
+    }
+
+    /// Pulls a point of a dynamic body's own frame [m] to a target in the world frame [m] with at
+    /// most so much `force` [N], frame after frame until `letGo`, or until the body breaks. Holding
+    /// a body again moves the hand. Throws the first rule that it breaks.
+    pub fn hold(
+        &mut self,
+        id: f64,
+        point: Vec<f64>,
+        target: Vec<f64>,
+        force: f64,
+    ) -> Result<(), JsError> {
+        let (point, target) = (vector("point", point)?, vector("target", target)?);
+        self.world.hold(body(id), point.into(), target.into(), force).map_err(error)
+    }
+
+    /// Lets go of a body; false if it is not held.
+    #[wasm_bindgen(js_name = letGo)]
+    pub fn let_go(&mut self, id: f64) -> bool {
+        self.world.let_go(body(id))
+    }
+
+    /// Cuts a body along the plane through a point [m], across a normal, world frame; returns the
+    /// ids of its pieces, none if the plane does not part it. They have its mass and motion. Throws
+    /// the first rule that it breaks.
+    pub fn cut(
+        &mut self,
+        id: f64,
+        point: Vec<f64>,
+        normal: Vec<f64>,
+    ) -> Result<Float64Array, JsError> {
+        let (point, normal) = (vector("point", point)?, vector("normal", normal)?);
+        self.world.cut(body(id), point.into(), normal.into()).map(numbers).map_err(error)
+    }
+
+    /// Breaks a body by its pattern, as a blow at a point of its surface would [m, world frame],
+    /// and sends the pieces apart, the farthest with `speed` [m/s]; momentum stays. Returns their
+    /// ids. Throws for an unbreakable body.
+    pub fn burst(&mut self, id: f64, point: Vec<f64>, speed: f64) -> Result<Float64Array, JsError> {
+        let point = vector("point", point)?;
+        self.world.burst(body(id), point.into(), speed).map(numbers).map_err(error)
+    }
+
     /// Kinetic and potential energy of all dynamic bodies [J].
     pub fn energy(&self) -> Float64Array {
         let (kinetic, potential) = self.world.energy();
@@ -250,6 +305,10 @@ impl Surface {
 
 fn number(id: BodyId) -> f64 {
     id_number(id) as f64
+}
+
+fn numbers(ids: Vec<BodyId>) -> Float64Array {
+    ids.into_iter().map(number).collect::<Vec<f64>>().as_slice().into()
 }
 
 fn body(id: f64) -> BodyId {

@@ -17,9 +17,10 @@ const DISTANCE = 2.1;
 const POSE = 7;
 
 /** A body of the world, and the last frame that shows it. */
-interface Life extends Body {
+export interface Life extends Body {
   id: number;
   name: string;
+  /** [kg]; 0 for what does not move by itself. */
   mass: number;
 }
 
@@ -34,6 +35,8 @@ export class LiveFootage implements Footage {
   private readonly rows = new Map<number, number>();
   /** For each frame, which row of its state each body has. */
   private readonly places: Int32Array[] = [];
+  /** Of meshes, for who looks for what is under the pointer. */
+  private readonly radii: number[] = [];
   private readonly made = new Map<string, number>();
 
   constructor(
@@ -53,6 +56,16 @@ export class LiveFootage implements Footage {
   /** State of a frame. */
   state(frame: number): FrameState {
     return this.states[Math.min(Math.max(frame, 0), this.frames)]!;
+  }
+
+  /** One of its bodies, by its id. */
+  body(id: number): Life | undefined {
+    return this.bodies[this.rows.get(id) ?? -1];
+  }
+
+  /** Of the ball around the origin of a mesh that holds it [m]. */
+  radius(mesh: number): number {
+    return this.radii[mesh]!;
   }
 
   /** The next frame; true if there are bodies that were not there before. */
@@ -75,7 +88,7 @@ export class LiveFootage implements Footage {
     const gone = this.bodies.findIndex((body) => body.birth >= frame);
     if (gone >= 0) {
       for (const body of this.bodies.splice(gone)) this.rows.delete(body.id);
-      this.meshes.length = this.bodies.length;
+      this.meshes.length = this.radii.length = this.bodies.length;
     }
     for (const body of this.bodies) body.end = Math.min(body.end, frame);
   }
@@ -119,10 +132,13 @@ export class LiveFootage implements Footage {
     const look = lookOf(born.look, moves, this.made.size);
     this.rows.set(born.id, this.bodies.length);
     this.meshes.push({ ...shaded(born.positions, born.triangles, born.interior), places: null, colours: null });
+    let radius = 0;
+    for (let i = 0; i < born.positions.length; i += 3) radius = Math.max(radius, Math.hypot(born.positions[i]!, born.positions[i + 1]!, born.positions[i + 2]!));
+    this.radii.push(radius);
     this.bodies.push({
       id: born.id,
       name: born.name,
-      mass: born.mass,
+      mass: born.motion === "dynamic" ? born.mass : 0,
       birth: frame,
       end: frame + 1,
       parent,

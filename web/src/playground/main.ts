@@ -1,25 +1,35 @@
-// The playground: a world in the page, things that are thrown at it, and what comes of them.
-import { DataArrayTexture, Raycaster, Vector2, Vector3 } from "three";
+// The playground: a world in the page, what somebody does to it, and what comes of that.
+import { DataArrayTexture, Quaternion, Raycaster, Vector2, Vector3 } from "three";
 import { element } from "../panel";
 import { Player } from "../player";
 import { readMesh } from "./drop";
 import { LiveFootage } from "./live";
-import type { Order, Story, Told } from "./protocol";
-import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, sceneOf } from "./recipe";
+import { type Hit, type Sight, crossed, pick } from "./pick";
+import type { Deed, Order, Story, Told } from "./protocol";
+import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, SHOTS, sceneOf } from "./recipe";
+import { download, film, filmKind, piecesAsGltf } from "./save";
 import { LONGEST, decode, encode } from "./share";
 import { ball } from "./simulator";
+import { type Bench, TOOLS, type Tool, Tools } from "./tools";
 
 /** The worker is ahead of the picture by at most so many frames: what is thrown is seen soon. */
 const AHEAD = 2;
-/** A press that moves further turns the view [CSS px]. */
-const STILL = 5;
+/** The farthest pieces of a burst fly so fast: half a metre before they fall as far [m/s]. */
+const BURST = 2;
+/** What a tool does, for who has not used it. */
+const HINTS: Record<Tool, string> = {
+  throw: "Press to throw a ball, drag to turn the view.",
+  drag: "Drag a piece; beside all pieces, turn the view.",
+  slice: "Draw a line over what is to be cut.",
+  burst: "Press on what is to break by its pattern.",
+};
 /** A first visit sees a ball on its way to the wall. */
 const FIRST_BALL = { radius: 0.18, from: [0.3, 0.9, 4.2], velocity: [-1, 1.2, -18] };
 
 const input = (id: string): HTMLInputElement => element(id) as HTMLInputElement;
 const select = (id: string): HTMLSelectElement => element(id) as HTMLSelectElement;
 
-class Playground {
+class Playground implements Bench {
   private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   private footage: LiveFootage | null = null;
   private player: Player | null = null;
@@ -33,10 +43,16 @@ class Playground {
   /** The frame that is shown once all of a link is simulated. */
   private opening: number | null = null;
   private durations: number[] = [];
+  /** Times of the pictures of the last second [ms]. */
+  private pictures: number[] = [];
+  /** While a film is made nothing is simulated. */
+  private filming = false;
+  private readonly tools: Tools;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.worker.addEventListener("message", ({ data }: MessageEvent<Told>) => this.hear(data));
     this.worker.addEventListener("error", () => say("The engine stopped: reset, or load the page again."));
+    this.tools = new Tools(canvas, element("line") as unknown as SVGLineElement, this);
     this.fillMenus();
     // A small window is for the world.
     (element("recipe") as HTMLDetailsElement).open = innerWidth > 640;
@@ -50,8 +66,13 @@ class Playground {
     this.order({ kind: "build", story, frames });
   }
 
-  /** Build what is chosen, and throw the first ball. */
+  /** Build what is chosen, and throw the first ball; a shot has its own. */
   reset(): void {
+    this.tools.drop();
+    const name = select("shape").value;
+    for (const id of ["material", "pattern", "pieces", "strength"]) (element(id) as HTMLInputElement).disabled = name in SHOTS;
+    this.throws = 0;
+    if (name in SHOTS) return this.order({ kind: "shot", name });
     const scene = sceneOf(this.choice());
     this.throws = 1;
     const { radius, from, velocity } = FIRST_BALL;
@@ -67,7 +88,9 @@ class Playground {
   private hear(told: Told): void {
     switch (told.kind) {
       case "fault":
-        return say(told.sentence);
+        // What breaks while it is held slips out of the hand.
+        if (this.tools.dragged !== null) return this.tools.drop();
+        return say(told.sentence, 6000);
       case "built":
         say("");
         this.footage = null;
@@ -77,6 +100,7 @@ class Playground {
         return this.take(told);
       case "undone":
         this.story = told.story;
+        this.tools.drop();
         this.footage?.cut(told.frame);
         this.player?.takeIn();
         this.player?.clock.seek(told.frame - 1);
@@ -87,8 +111,15 @@ class Playground {
         this.story = told.story;
         if (this.opening !== null) this.player?.clock.seek(this.opening);
         this.opening = null;
-        document.documentElement.dataset["busy"] = String(this.busy);
+        this.tellDeeds();
     }
+  }
+
+  /** For tests, and for who looks closely. */
+  private tellDeeds(): void {
+    const { actions } = this.story;
+    const count = (name: string): string => String(actions.filter((action) => name in action).length);
+    Object.assign(document.documentElement.dataset, { busy: String(this.busy), actions: String(actions.length), cuts: count("cut"), drags: count("hold"), bursts: count("burst") });
   }
 
   private take({ state }: Told & { kind: "frame" }): void {
@@ -117,8 +148,9 @@ class Playground {
   /** Simulate ahead of what is shown. */
   private goOn(): void {
     const { player, footage } = this;
-    if (player === null || footage === null || this.busy > 0 || !player.clock.playing) return;
+    if (player === null || footage === null || this.busy > 0 || this.filming || !player.clock.playing) return;
     const missing = Math.ceil(player.clock.time) + AHEAD - footage.frames;
+    if (missing > 0) this.tools.order();
     if (missing > 0) this.order({ kind: "step", frames: Math.min(missing, AHEAD) });
   }
 
@@ -128,14 +160,19 @@ class Playground {
     const { clock } = player;
     const state = footage.state(clock.frame);
     const median = [...this.durations].sort((a, b) => a - b)[this.durations.length >> 1] ?? 0;
+    const now = performance.now();
+    this.pictures = [...this.pictures.filter((time) => time > now - 1000), now];
+    this.tools.show();
     element("frame").textContent = `frame ${clock.frame}`;
     element("bodies").textContent = `${state.ids.length} bodies`;
     element("step").textContent = `${median.toFixed(1)} ms a step`;
+    element("rate").textContent = clock.playing ? `${this.pictures.length} pictures a second` : "";
     element("energy").textContent = `${(state.energy / 1000).toFixed(2)} kJ`;
     input("timeline").max = String(footage.frames);
     input("timeline").value = String(clock.time);
     element("play").textContent = clock.playing ? "Pause" : "Play";
     const data = document.documentElement.dataset;
+    data["eye"] = player.camera.position.toArray().map((part) => part.toFixed(2)).join();
     [data["frame"], data["bodies"], data["hash"], data["frames"]] = [String(clock.frame), String(state.ids.length), state.hash, String(footage.frames)];
   }
 
@@ -153,6 +190,10 @@ class Playground {
   private fillMenus(): void {
     const fill = (id: string, names: string[]): void => select(id).replaceChildren(...names.map((name) => new Option(name, name)));
     fill("shape", Object.keys(SHAPES));
+    const shots = document.createElement("optgroup");
+    shots.label = "Scenes";
+    shots.append(...Object.entries(SHOTS).map(([name, title]) => new Option(title, name)));
+    select("shape").append(shots);
     fill("material", MATERIALS.filter((name) => name !== "steel"));
     fill("pattern", Object.keys(PATTERNS));
   }
@@ -163,7 +204,11 @@ class Playground {
     element("undo").addEventListener("click", () => this.order({ kind: "undo" }));
     element("play").addEventListener("click", () => this.player?.clock.toggle());
     element("forth").addEventListener("click", () => this.stepOnce());
-    element("throw").addEventListener("click", () => this.throwAt(new Vector2()));
+    element("use").addEventListener("click", () => this.tools.use());
+    for (const tool of TOOLS) element(tool).addEventListener("click", () => this.takeUp(tool));
+    element("gltf").addEventListener("click", () => void this.saveGltf());
+    element("film").hidden = filmKind(this.canvas) === null;
+    element("film").addEventListener("click", () => void this.saveFilm());
     element("share").addEventListener("click", () => void this.share());
     select("speed").addEventListener("change", () => this.player && (this.player.clock.speed = Number(select("speed").value)));
     input("explode").addEventListener("input", () => this.player && (this.player.explode = Number(input("explode").value)));
@@ -175,25 +220,22 @@ class Playground {
       void this.drop(event.dataTransfer?.files ?? null);
     });
     addEventListener("keydown", (event) => this.key(event));
-    this.listenToPointer();
   }
 
-  /** A press that does not turn the view throws a ball. */
-  private listenToPointer(): void {
-    let down: { x: number; y: number } | null = null;
-    this.canvas.addEventListener("pointerdown", (event) => (down = event.button === 0 && event.isPrimary ? { x: event.clientX, y: event.clientY } : null));
-    this.canvas.addEventListener("pointerup", (event) => {
-      if (down === null || Math.hypot(event.clientX - down.x, event.clientY - down.y) > STILL) return;
-      const { left, top, width, height } = this.canvas.getBoundingClientRect();
-      this.throwAt(new Vector2((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height));
-    });
+  private takeUp(tool: Tool): void {
+    this.tools.tool = tool;
+    for (const each of TOOLS) element(each).setAttribute("aria-pressed", String(each === tool));
+    element("hint").textContent = HINTS[tool];
+    // A finger that cuts does not turn the view, and a hand is not needed at the middle.
+    (element("use") as HTMLButtonElement).disabled = tool === "drag";
   }
 
   private key(event: KeyboardEvent): void {
     if (event.target instanceof HTMLElement && event.target.matches("select, input, button")) return;
     const keys: Record<string, () => void> = {
       " ": () => this.player?.clock.toggle(),
-      Enter: () => this.throwAt(new Vector2()),
+      Enter: () => this.tools.use(),
+      ...Object.fromEntries(TOOLS.map((tool, number) => [String(number + 1), () => this.takeUp(tool)])),
       ArrowRight: () => this.stepOnce(),
       u: () => this.order({ kind: "undo" }),
       r: () => this.reset(),
@@ -213,21 +255,97 @@ class Playground {
     if (this.busy === 0) this.order({ kind: "step", frames: 1 });
   }
 
-  /** Throw a ball from the eye through a place of the picture, from (-1, -1) to (1, 1). */
-  private throwAt(place: Vector2): void {
+  sight(x: number, y: number): Sight | null {
+    const { player, footage } = this;
+    if (player === null || footage === null) return null;
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const caster = new Raycaster();
+    player.camera.updateMatrixWorld();
+    caster.setFromCamera(new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height), player.camera);
+    const { ray } = caster;
+    return { origin: ray.origin.add(new Vector3().fromArray(footage.camera.target)), direction: ray.direction };
+  }
+
+  /** What is done is done to the last frame. */
+  pick(sight: Sight): Hit | null {
+    const { player, footage } = this;
+    if (player === null || footage === null) return null;
+    return pick(footage, this.atEnd(player, footage), sight);
+  }
+
+  seen(id: number, pointBody: Vector3): [number, number] | null {
+    const { player, footage } = this;
+    if (player === null || footage === null) return null;
+    const state = footage.state(player.clock.frame);
+    const row = state.ids.indexOf(id);
+    if (row < 0) return null;
+    const place = pointBody.clone().applyQuaternion(new Quaternion().fromArray(state.poses, 7 * row + 3));
+    place.add(new Vector3().fromArray(state.poses, 7 * row)).sub(new Vector3().fromArray(footage.camera.target)).project(player.camera);
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    return [left + (0.5 + 0.5 * place.x) * width, top + (0.5 - 0.5 * place.y) * height];
+  }
+
+  forward(): Vector3 {
+    return this.player!.camera.getWorldDirection(new Vector3());
+  }
+
+  do(deed: Deed): void {
     const { player, footage } = this;
     if (player === null || footage === null) return;
-    const ray = new Raycaster();
-    ray.setFromCamera(place, player.camera);
-    const radius = input("radius").valueAsNumber;
-    const origin = ray.ray.origin.clone().add(new Vector3().fromArray(footage.camera.target));
-    // It starts nearer than the eye, or a far view waits for it.
-    const from = origin.addScaledVector(ray.ray.direction, Math.max(0, player.camera.position.length() - 4 * footage.size));
-    const velocity = ray.ray.direction.clone().multiplyScalar(input("velocity").valueAsNumber);
-    this.throws++;
-    this.order({ kind: "add", body: ball(radius, from.toArray(), velocity.toArray(), this.throws) });
-    if (!player.clock.playing) player.clock.seek(footage.frames);
+    this.order({ kind: "do", deed });
+    this.atEnd(player, footage);
     player.clock.playing = true;
+  }
+
+  throwBall({ origin, direction }: Sight): void {
+    const { player, footage } = this;
+    if (player === null || footage === null) return;
+    // It starts nearer than the eye, or a far view waits for it.
+    const from = origin.clone().addScaledVector(direction, Math.max(0, player.camera.position.length() - 4 * footage.size));
+    const velocity = direction.clone().multiplyScalar(input("velocity").valueAsNumber);
+    this.throws++;
+    this.do({ add: ball(input("radius").valueAsNumber, from.toArray(), velocity.toArray(), this.throws) });
+  }
+
+  slice(from: Sight, to: Sight): void {
+    const { player, footage } = this;
+    if (player === null || footage === null) return;
+    const { bodies, normal } = crossed(footage, this.atEnd(player, footage), from, to);
+    for (const body of bodies) this.do({ cut: { body, point: from.origin.toArray(), normal: normal.toArray() } });
+  }
+
+  burst({ body, point }: Hit): void {
+    this.do({ burst: { body, point: point.toArray(), speed: BURST } });
+  }
+
+  /** Shows the last frames, if earlier ones are looked at; the frame that is shown. */
+  private atEnd(player: Player, footage: LiveFootage): number {
+    if (player.clock.time < footage.frames - AHEAD) player.clock.seek(footage.frames);
+    return player.clock.frame;
+  }
+
+  private async saveGltf(): Promise<void> {
+    const { player, footage } = this;
+    if (player === null || footage === null) return;
+    download(`frame ${player.clock.frame}.glb`, await piecesAsGltf(footage, player.clock.frame));
+  }
+
+  /** Plays all frames while they are filmed. */
+  private async saveFilm(): Promise<void> {
+    const { player, footage } = this;
+    const kind = filmKind(this.canvas);
+    if (player === null || footage === null || kind === null || this.filming) return;
+    this.filming = true;
+    say("The film is being made, in real time …");
+    const content = await film(this.canvas, kind, async () => {
+      player.clock.seek(0);
+      player.clock.playing = true;
+      while (player.clock.playing && player.clock.time < footage.frames && this.footage === footage) await new Promise(requestAnimationFrame);
+    });
+    this.filming = false;
+    player.clock.playing = false;
+    say("");
+    download(`frangible.${kind.includes("mp4") ? "mp4" : "webm"}`, content);
   }
 
   private async share(): Promise<void> {

@@ -4,13 +4,23 @@ import type { WorldState } from "../../npm/src/reader";
 /** A body as a scene holds it. */
 export type BodyDesc = Record<string, unknown>;
 
-/** What somebody did to a world: replayed at the same frames, it ends in the same bits. */
-export interface Action {
+/** What somebody does to a world, with points in the world frame [m] and ids of bodies. */
+export type Deed =
+  /** A body comes in. */
+  | { add: BodyDesc }
+  /** A hand pulls a point of a body's own frame to a target, with at most so much force [N]. */
+  | { hold: { body: number; point: number[]; target: number[]; force: number } }
+  | { letGo: number }
+  /** Along the plane through a point, across a normal. */
+  | { cut: { body: number; point: number[]; normal: number[] } }
+  /** Breaks by its pattern, as struck at a point; its pieces fly apart so fast [m/s]. */
+  | { burst: { body: number; point: number[]; speed: number } };
+
+/** A deed before a step: replayed at the same frames, a story ends in the same bits. */
+export type Action = Deed & {
   /** Number of frames before it. */
   frame: number;
-  /** A body that comes in. */
-  add: BodyDesc;
-}
+};
 
 /** A world, from its beginning. */
 export interface Story {
@@ -25,8 +35,10 @@ export type Order =
   | { kind: "build"; story: Story; frames: number }
   /** Steps so many frames. */
   | { kind: "step"; frames: number }
-  | { kind: "add"; body: BodyDesc }
-  /** Goes back to before the last body that came in. */
+  /** Builds a shot of the engine's. */
+  | { kind: "shot"; name: string }
+  | { kind: "do"; deed: Deed }
+  /** Goes back to before the last deed; a body that was dragged goes back to where it was taken. */
   | { kind: "undo" };
 
 /** State of a world after a frame. */

@@ -26,6 +26,18 @@ export const SHAPES: Record<string, { shape: Record<string, unknown>; height: nu
   column: { shape: { kind: "cylinder", radius: 0.25, height: 2 }, height: 1 },
 };
 
+/** Shots of the engine's that a page steps fast enough to play with, and what they are. */
+export const SHOTS: Record<string, string> = {
+  pillar: "a pillar falls apart",
+  masonry: "a mortared wall",
+  timber: "a wooden plank",
+  "bonded-pillar": "a glued pillar",
+  refracture: "a wall, struck twice",
+  stack: "a stack of boxes",
+  arch: "an arch of stones",
+  pyramid: "a pyramid of cubes",
+};
+
 /** A mesh that somebody dropped. */
 export interface Dropped {
   name: string;

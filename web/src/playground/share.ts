@@ -26,9 +26,20 @@ function isStory(value: unknown): value is Story {
   return typeof scene === "string" && Array.isArray(actions) && actions.every(isAction);
 }
 
+const DEEDS = ["add", "hold", "letGo", "cut", "burst"];
+
+/** The engine checks the rest when it is done. */
 function isAction(value: unknown): boolean {
-  const { frame, add } = (value ?? {}) as { frame?: unknown; add?: unknown };
-  return Number.isSafeInteger(frame) && (frame as number) >= 0 && typeof add === "object" && add !== null;
+  const { frame, ...deed } = (value ?? {}) as { frame?: unknown };
+  const [name, ...more] = Object.keys(deed);
+  return Number.isSafeInteger(frame) && (frame as number) >= 0 && name !== undefined && more.length === 0 && DEEDS.includes(name) && isDeed(Object.values(deed)[0], name);
+}
+
+function isDeed(value: unknown, name: string): boolean {
+  if (name === "letGo") return typeof value === "number";
+  if (typeof value !== "object" || value === null) return false;
+  const isVector = (part: unknown): boolean => Array.isArray(part) && part.length === 3 && part.every((number) => typeof number === "number");
+  return name === "add" || Object.entries(value).every(([key, part]) => (key === "point" || key === "target" || key === "normal" ? isVector(part) : typeof part === "number"));
 }
 
 async function through(bytes: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array> {

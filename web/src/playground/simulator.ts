@@ -1,13 +1,15 @@
 // A world and its story: what a worker does with what the page orders. Needs no browser.
-import { type Snapshot, World } from "../../engine/engine.js";
+import { type Snapshot, World, shotScene } from "../../engine/engine.js";
 import { WorldReader } from "../../npm/src/reader";
-import type { Action, BodyDesc, Order, Story, Told } from "./protocol";
+import type { Action, BodyDesc, Deed, Order, Story, Told } from "./protocol";
 
-/** World before each action that can be undone. */
+/** World before each deed that can be undone. */
 interface Before {
   frame: number;
   snapshot: Snapshot;
   known: Set<number>;
+  /** Number of actions. */
+  actions: number;
 }
 
 /** Snapshots share their shapes, so that one takes some hundred bytes a body. */
@@ -37,8 +39,10 @@ export class Simulator {
         return this.build(order.story, order.frames);
       case "step":
         return this.step(order.frames);
-      case "add":
-        return this.add({ frame: this.needed().frame, add: order.body });
+      case "shot":
+        return this.build({ scene: shotScene(order.name), actions: [] }, 0);
+      case "do":
+        return this.act({ ...order.deed, frame: this.needed().frame });
       case "undo":
         return this.undo();
     }
@@ -59,7 +63,7 @@ export class Simulator {
     this.show(0);
     for (const action of story.actions) {
       this.step(action.frame - world.frame);
-      this.add(action);
+      this.act(action);
     }
     this.step(frames - world.frame);
   }
@@ -73,13 +77,22 @@ export class Simulator {
     }
   }
 
-  private add(action: Action): void {
+  private act(action: Action): void {
     const world = this.needed();
-    const before = { frame: world.frame, snapshot: world.snapshot(), known: new Set(this.reader.known) };
-    world.addBody(JSON.stringify(action.add));
+    const { actions } = this.story;
+    const before = { frame: world.frame, snapshot: world.snapshot(), known: new Set(this.reader.known), actions: actions.length };
+    let changed = false;
+    try {
+      changed = does(world, action);
+    } finally {
+      if (!changed) before.snapshot.free();
+    }
+    if (!changed) return;
+    this.story = { ...this.story, actions: [...actions, action] };
+    // All of a drag is undone at once.
+    if (goesOn(action, actions)) return before.snapshot.free();
     this.undos.push(before);
     if (this.undos.length > MOST_UNDOS) this.undos.shift()!.snapshot.free();
-    this.story = { ...this.story, actions: [...this.story.actions, action] };
   }
 
   private undo(): void {
@@ -88,7 +101,7 @@ export class Simulator {
     this.needed().restore(before.snapshot);
     before.snapshot.free();
     this.reader.known = before.known;
-    this.story = { ...this.story, actions: this.story.actions.slice(0, -1) };
+    this.story = { ...this.story, actions: this.story.actions.slice(0, before.actions) };
     this.tell({ kind: "undone", frame: before.frame + 1, story: this.story });
   }
 
@@ -99,6 +112,26 @@ export class Simulator {
     const state = this.reader.read(world);
     this.tell({ kind: "frame", state: { ...state, duration, energy, hash: world.stateHash() } });
   }
+}
+
+/** Whether it changed anything; throws the rule that a deed breaks. */
+function does(world: World, deed: Deed): boolean {
+  if ("letGo" in deed) return world.letGo(deed.letGo);
+  if ("cut" in deed) return world.cut(deed.cut.body, numbers(deed.cut.point), numbers(deed.cut.normal)).length > 0;
+  if ("burst" in deed) return world.burst(deed.burst.body, numbers(deed.burst.point), deed.burst.speed).length > 0;
+  if ("add" in deed) world.addBody(JSON.stringify(deed.add));
+  else world.hold(deed.hold.body, numbers(deed.hold.point), numbers(deed.hold.target), deed.hold.force);
+  return true;
+}
+
+const numbers = (values: number[]): Float64Array => Float64Array.from(values);
+
+/** Whether an action is part of the drag that the ones before began. */
+function goesOn(action: Action, before: readonly Action[]): boolean {
+  const body = "hold" in action ? action.hold.body : "letGo" in action ? action.letGo : -1;
+  const isOfIt = (one: Action): boolean => ("hold" in one && one.hold.body === body) || ("letGo" in one && one.letGo === body);
+  const last = before.filter(isOfIt).at(-1);
+  return last !== undefined && "hold" in last;
 }
 
 /** A ball that somebody throws. */

@@ -38,6 +38,15 @@ impl Default for Slices {
 }
 
 impl Pattern {
+    /// Space in two, above and below the fracture centre: z is the normal of the crack.
+    pub fn halves() -> Self {
+        let half_extent = DVec3::ONE;
+        let above = HalfSpace { normal: -DVec3::Z, offset: 0.0 };
+        let sides = [above, above.flipped()];
+        let regions = sides.map(|side| Region::from_half_spaces(&[side], half_extent));
+        Self::planar_in_box(half_extent, regions.into())
+    }
+
     /// Slices of a centred box.
     ///
     /// # Errors

@@ -4,10 +4,10 @@ use frangible_bodies::{Bodies, NewBody};
 use frangible_fracture::{Interface, interfaces_between};
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The place of a piece in its parent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestPose {
     /// Of its centre of mass, in the parent's body frame [m].
     pub position: [f64; 3],
@@ -16,7 +16,7 @@ pub struct RestPose {
 }
 
 /// The common surface of two pieces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PieceContact {
     /// Both by their number among the fragments, the smaller first.
     pub pieces: [usize; 2],

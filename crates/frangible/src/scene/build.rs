@@ -1,5 +1,6 @@
 //! From a description to a world: everything is checked here, so that nothing can fail later.
 
+use crate::hand::state::Hand;
 use crate::report::books::Books;
 use crate::scene::bonds::build_bonds;
 use crate::scene::breaking::{build_breaking, check_breaking, fit_to_shape, make_to_break};
@@ -59,6 +60,7 @@ impl World {
             fits: BirthFits::default(),
             spared: Vec::new(),
             note: String::new(),
+            hand: Hand::default(),
             clock: None,
         };
         let mut library = ShapeLibrary::default();

@@ -4,7 +4,9 @@ use crate::report::at_rest::at_rest;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
 use crate::world::{Breaking, Label, World};
-use frangible_bodies::{Bodies, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity};
+use frangible_bodies::{
+    Bodies, BodyId, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
+};
 use frangible_dynamics::{Blow, FrameAccounts, energy_at, repay_at};
 use frangible_fracture::{
     Fragment, Impact, Pattern, ShatterSettings, fragment_velocity, interfaces, shatter,
@@ -12,17 +14,27 @@ use frangible_fracture::{
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A breaking body.
-struct Break {
-    blow: Blow,
+/// A body in pieces that are about to take its place.
+pub(crate) struct Break {
     /// By dense index.
-    parent: usize,
-    breaking: Breaking,
+    pub(crate) parent: usize,
+    /// Of the pieces; `None` if none of them breaks.
+    pub(crate) breaking: Option<Breaking>,
     /// The chosen pattern, affordable by the blow's energy.
-    pattern: Arc<Pattern>,
-    fragments: Vec<Fragment>,
+    pub(crate) pattern: Arc<Pattern>,
+    pub(crate) fragments: Vec<Fragment>,
     /// Energy spent on cracks [J].
-    spent: f64,
+    pub(crate) spent: f64,
+    pub(crate) cause: Cause,
+}
+
+/// What broke a body: see [`Fracture`].
+#[derive(Clone, Copy)]
+pub(crate) struct Cause {
+    pub(crate) striker: BodyId,
+    pub(crate) point_world: DVec3,
+    pub(crate) impulse: f64,
+    pub(crate) borne: f64,
 }
 
 /// Replaces broken bodies by their fragments. The borne impulse has already acted on parent and
@@ -46,6 +58,17 @@ pub(crate) fn break_bodies(
         }
     }
 
+    replace(world, breaks)
+}
+
+/// Replaces bodies by their pieces.
+pub(crate) fn replace(
+    world: &mut World,
+    breaks: Vec<Break>,
+) -> (Vec<Fracture>, Vec<Option<usize>>) {
+    let mut gone = vec![false; world.bodies.len()];
+    breaks.iter().for_each(|broken| gone[broken.parent] = true);
+
     // Fragments are born where they were in their parents.
     let mut born = Vec::new();
     let mut fractures = Vec::new();
@@ -57,18 +80,18 @@ pub(crate) fn break_bodies(
             are_rest.push(fragment.is_rest());
             born.push((fragment_body(&world.bodies, broken.parent, fragment, &label), label));
         }
-        let Break { blow, parent, spent, breaking, .. } = broken;
+        let Break { parent, spent, breaking, cause, .. } = broken;
         let pieces = || born[first..].iter().map(|(body, _)| body);
         let (rest_poses, contacts) = at_rest(&world.bodies, parent, pieces());
         fractures.push(Fracture {
             time: world.time(),
-            body: id_number(blow.body),
-            striker: id_number(blow.striker),
-            point: blow.point_world.to_array(),
-            impulse: blow.impulse,
-            borne: blow.borne,
+            body: id_number(world.bodies.ids[parent]),
+            striker: id_number(cause.striker),
+            point: cause.point_world.to_array(),
+            impulse: cause.impulse,
+            borne: cause.borne,
             energy: spent,
-            wanted: breaking.choice.wanted(),
+            wanted: breaking.and_then(|breaking| breaking.choice.wanted()),
             fragments: vec![0; born.len() - first],
             rest_poses,
             contacts,
@@ -130,7 +153,10 @@ fn crack(
             if spent > 0.0 {
                 repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
             }
-            return Some(Break { blow: *blow, parent, breaking, pattern, fragments, spent });
+            let &Blow { striker, point_world, impulse, borne, .. } = blow;
+            let cause = Cause { striker, point_world, impulse, borne };
+            let breaking = Some(breaking);
+            return Some(Break { parent, breaking, pattern, fragments, spent, cause });
         }
     }
     if can_split || breaking.shatter.reach.is_some() {
@@ -149,21 +175,21 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
     let Break { parent, breaking, pattern, .. } = broken;
     let parent_label = &world.labels[*parent];
     let (low, high) = fragment.shape.bounds;
-    let is_large = (high - low).max_element() >= breaking.smallest;
-    let breaks = breaking.generations > 1 && is_large;
-    let strength = || breaking.strength.of_fragment(&world.bodies.shapes[*parent], &fragment.shape);
+    let extent = (high - low).max_element();
+    let breaking = breaking.as_ref().filter(|breaking| extent >= breaking.smallest);
     let is_joint = pattern.is_joint(fragment.cell as usize);
     Label {
         name: format!("{}.{index}", parent_label.name),
         parent: Some(world.bodies.ids[*parent]),
         look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
         breaking: if fragment.is_rest() {
-            is_large.then(|| Box::new(Breaking { center: None, ..breaking.clone() }))
+            breaking.map(|breaking| Box::new(Breaking { center: None, ..breaking.clone() }))
         } else {
-            breaks.then(|| {
+            breaking.filter(|breaking| breaking.generations > 1).map(|breaking| {
                 let generations = breaking.generations - 1;
                 let shatter = ShatterSettings { reach: None, ..breaking.shatter };
-                let strength = strength();
+                let parent = &world.bodies.shapes[*parent];
+                let strength = breaking.strength.of_fragment(parent, &fragment.shape);
                 let center = None;
                 Box::new(Breaking { generations, strength, shatter, center, ..breaking.clone() })
             })

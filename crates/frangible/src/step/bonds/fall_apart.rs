@@ -10,17 +10,17 @@ use frangible_fracture::{Fragment, Glued};
 use glam::DVec3;
 
 /// A body with lost bonds.
-pub(super) struct Broken {
-    pub(super) body: usize,
-    pub(super) striker: usize,
-    pub(super) point: DVec3,
-    pub(super) impulse: f64,
-    pub(super) borne: f64,
+pub(crate) struct Broken {
+    pub(crate) body: usize,
+    pub(crate) striker: usize,
+    pub(crate) point: DVec3,
+    pub(crate) impulse: f64,
+    pub(crate) borne: f64,
 }
 
 /// Replaces bodies with lost bonds by their islands, in place and with their motion. A single
 /// island only updates its bonds.
-pub(super) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
+pub(crate) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
     let mut gone = vec![false; world.bodies.len()];
     let mut born: Vec<(NewBody, Label)> = Vec::new();
     let mut fractures = Vec::new();

@@ -161,6 +161,7 @@ impl Stage {
             fits: Default::default(),
             spared: Vec::new(),
             note: String::new(),
+            hand: Default::default(),
             clock: None,
         };
         let bodies = &world.bodies;
