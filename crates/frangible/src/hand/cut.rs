@@ -136,7 +136,7 @@ impl World {
         let broken = Break { parent, breaking, pattern, fragments, spent: 0.0, cause };
         let (fractures, _) = replace(self, vec![broken]);
         self.end_sparing();
-        self.note(fractures)
+        self.report_later(fractures)
     }
 
     /// Breaks bonds of a glued body.
@@ -153,11 +153,11 @@ impl World {
         glued.cut(&names);
         let broken = Broken { body, striker: body, point, impulse: 0.0, borne: 0.0 };
         let fractures = fall_apart(self, &[broken]);
-        self.note(fractures)
+        self.report_later(fractures)
     }
 
     /// Keeps breaks for the next report; returns the pieces.
-    fn note(&mut self, fractures: Vec<Fracture>) -> Vec<BodyId> {
+    fn report_later(&mut self, fractures: Vec<Fracture>) -> Vec<BodyId> {
         let pieces = fractures.iter().flat_map(|fracture| &fracture.fragments);
         let ids = pieces.map(|&id| id_from_number(id)).collect();
         self.hand.handled.fractures.extend(fractures);
