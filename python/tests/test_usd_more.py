@@ -299,3 +299,32 @@ def test_all_of_it_comes_back_without_loss(tmp_path: Path) -> None:
     exact, found = World.build({"bodies": bodies}, 1), World.build(back, 1)
     assert found.masses == pytest.approx(exact.masses)
     assert found.positions == pytest.approx(exact.positions, abs=1e-6)
+
+
+def test_shapes_below_a_collider_that_is_none_collide(read: Any) -> None:
+    """A Scope with the schema, as in stages of Omniverse: all shapes below it, where none of them
+    says so itself; in a body they are the body's."""
+    shapes = a_prim("Cube", "a", moved("translate = (3, 0, 0)"), "")
+    shapes += a_prim("Xform", "x", a_prim("Sphere", "b", moved("translate = (6, 0, 0)"), ""), "")
+    off = "bool physics:collisionEnabled = 0\n"
+    text = a_prim("Scope", "floor", shapes, STILL)
+    text += a_prim("Scope", "air", off + a_prim("Cube", "c", "", ""), STILL)
+    text += a_prim("Xform", "body", a_prim("Xform", "shapes", shapes, STILL), BODY.replace(
+        ', "PhysicsCollisionAPI"', ""))  # fmt: skip
+    text += a_prim("Scope", "nothing", "", STILL)
+    scene, notes = read(stage(text))
+    names = [one["name"].removeprefix("/World/") for one in scene["bodies"]]
+    assert names == ["floor/a", "floor/x/b", "body"]
+    assert len(body(scene, "body")["shape"]["parts"]) == 2
+    assert notes == [
+        "collider that is no shape (/World/nothing): left out",
+        "round colliders beside others (/World/body): are their convex hulls",
+        "shape that does not collide (/World/air/c): left out",
+    ]
+
+
+def test_a_pointer_of_git_lfs_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "set.usda"
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3320\n")
+    with pytest.raises(BuildError, match="is a pointer of Git LFS, must be the file"):
+        find_scene(path)
