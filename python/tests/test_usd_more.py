@@ -328,3 +328,21 @@ def test_a_pointer_of_git_lfs_is_named(tmp_path: Path) -> None:
     path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3320\n")
     with pytest.raises(BuildError, match="is a pointer of Git LFS, must be the file"):
         find_scene(path)
+
+
+def test_bodies_of_a_joint_do_not_collide(read: Any) -> None:
+    """But where it says that they do, or is switched off, or leads to the world."""
+    text = "".join(
+        a_prim("Cube", name, moved(f"translate = ({3 * i}, 0, 0)")) for i, name in enumerate("abcd")
+    )
+    for first, second, more in (
+        ("a", "b", ""),
+        ("b", "c", "bool physics:collisionEnabled = 1"),
+        ("c", "d", "bool physics:jointEnabled = 0"),
+    ):
+        ends = f"rel physics:body0 = </World/{first}>\nrel physics:body1 = </World/{second}>"
+        text += f'def PhysicsRevoluteJoint "{first}{second}"\n{{\n{ends}\n{more}\n}}\n'
+    text += 'def PhysicsFixedJoint "d"\n{\nrel physics:body1 = </World/d>\n}\n'
+    scene, notes = read(stage(text))
+    assert passing(scene) == {"ab"}
+    assert notes == ["joint (/World/ab and 2 more): its bodies move freely"]
