@@ -394,8 +394,8 @@ class World:
     def add_body(self, body: Mapping[str, Any] | Body) -> int:
         """Add a body as a scene would hold it, behind all others; its id.
 
-        It may have a preset's material, or one of the scene's own; what it brings of energy and momentum belongs to no step
-        and no report. `BuildError` for the first rule that it breaks.
+        It may have a preset's material, or one of the scene's own; what it brings of energy and
+        momentum belongs to no step and no report. `BuildError` for the first rule that it breaks.
         """
 
     def remove_body(self, id: int) -> None:

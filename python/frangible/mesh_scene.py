@@ -30,8 +30,8 @@ FLIGHT = 0.5
 ROUNDS = 12
 #: How long a scene goes on after the blow [s].
 AFTER = 2.0
-#: [m/s^2]
-GRAVITY = np.array([0.0, -9.81, 0.0])
+#: Of the earth [m/s^2].
+GRAVITY = 9.81
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +55,10 @@ class Wishes:
     origin: tuple[float, float, float] | None = None
     hit_at_frame: int | None = None
     ground: bool = False
+    #: Downwards [m/s^2].
+    gravity: float = GRAVITY
+    #: What it looks like, if not like its material.
+    look: str | None = None
     up: Literal["y", "z"] | None = None
     #: A name of `UNITS`.
     unit: str | None = None
@@ -82,6 +86,7 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         orientation=orientation,
         breaking=None if wishes.glue is not None else _breaking(wishes, frame),
         bonds=_bonds(wishes),
+        look=wishes.look,
     )
     bodies = [mesh]
     if wishes.ground:
@@ -100,10 +105,16 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
         bodies.append(flight.body())
         if wishes.hit_at_frame is not None:
             frames = wishes.hit_at_frame + math.ceil(AFTER * wishes.frames_per_second)
-    return SceneDesc(bodies, frames_per_second=wishes.frames_per_second, frames=frames)
+    gravity = None if wishes.gravity == GRAVITY else [0.0, -wishes.gravity, 0.0]
+    rate = wishes.frames_per_second
+    return SceneDesc(bodies, frames_per_second=rate, frames=frames, gravity=gravity)
 
 
 def _check(name: str, wishes: Wishes) -> None:
+    if wishes.material not in PRESETS:
+        near = did_you_mean(wishes.material, PRESETS)
+        rule = f"must be one of {', '.join(PRESETS)}; a scene file has materials of your own"
+        raise BuildError(f"material: {wishes.material!r}{near}, {rule}")
     if not name.lower().endswith(USD_ENDINGS) and (fault := file_fault(name)):
         raise BuildError(f"{name}: {fault}")
     if wishes.ball is None:
@@ -129,10 +140,6 @@ def _check(name: str, wishes: Wishes) -> None:
         for option, said in (("unit", wishes.unit), ("up", wishes.up)):
             if said is not None:
                 raise BuildError(f"{option}: {said}, must be left out for USD, which says it")
-    if wishes.material not in PRESETS:
-        near = did_you_mean(wishes.material, PRESETS)
-        rule = f"must be one of {', '.join(PRESETS)}"
-        raise BuildError(f"material: {wishes.material!r}{near}, {rule}")
 
 
 def _frame(
@@ -224,6 +231,7 @@ class _Flight:
     ) -> None:
         assert wishes.ball is not None
         self.radius, self.speed = _unit(frame) * wishes.ball[0], wishes.ball[1]
+        self.gravity = np.array([0.0, -wishes.gravity, 0.0])
         origin = None if wishes.origin is None else frame @ np.array(wishes.origin)
         direction = np.array([0.0, 0.0, -1.0]) if origin is None else target - origin
         length = float(np.linalg.norm(direction))
@@ -249,11 +257,11 @@ class _Flight:
                 self.time = float(np.linalg.norm(way)) / self.speed
         self.start: Float64 = touch - self.time * self.speed * self.direction
         #: The mesh does not fall meanwhile.
-        self.velocity: Float64 = self.speed * self.direction - 0.5 * self.time * GRAVITY
+        self.velocity: Float64 = self.speed * self.direction - 0.5 * self.time * self.gravity
 
     def _touch(self, mesh: tuple[Float64, Float64], target: Float64, wishes: Wishes) -> Float64:
         """Where the ball's centre is when it touches on its way to the target, as it flies then."""
-        last = self.speed * self.direction + 0.5 * self.time * GRAVITY
+        last = self.speed * self.direction + 0.5 * self.time * self.gravity
         direction = last / np.linalg.norm(last)
         place = first_touch(*mesh, target, direction, self.radius)
         if place is None:

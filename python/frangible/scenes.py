@@ -34,7 +34,7 @@ from .scene_looks import without_own_looks
 from .scene_materials import has_materials, scene_materials_text, with_materials
 from .scene_python import python_scene
 from .scene_rate import set_rate
-from .words import shown
+from .words import did_you_mean, shown
 
 #: A scene as `docs/scene_format.md` describes it.
 Scene = dict[str, Any]
@@ -326,6 +326,10 @@ def _shot(name: str, mesh: str | None, pose_time: float | None, options: dict[st
         kind = "is a folder" if os.path.isdir(name) else "is no scene file"
         endings = f"{', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}"
         raise BuildError(f"{name}: {kind}, must end in {endings}, or be the name of a shot")
+    known = dict(shots())
+    if name not in known:
+        rule = "must be one that `frangible shots` lists, a scene file or a mesh file"
+        raise BuildError(f"unknown shot {name!r}{did_you_mean(name, known)}, {rule}")
     if mesh is not None:
         check_ending(mesh)
     with nullcontext() if mesh is None else readable_mesh(mesh, pose_time) as readable:

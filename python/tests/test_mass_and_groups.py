@@ -90,7 +90,7 @@ def test_what_is_left_out_follows_from_the_shape() -> None:
     [
         ({"moments": [1, 1, 3]}, "moments: [1.0, 1.0, 3.0], must be at most the sum of the other"),
         ({"moments": [0, 1, 1]}, "moments: 0.0, must be > 0"),
-        ({"center": [0, 0.7, 0]}, "center: [0.0, 0.7, 0.0], must be inside the shape"),
+        ({"center": [0, 17, 0]}, "center: [0.0, 17.0, 0.0], must be no farther from the shape"),
         ({"mass": -1}, "mass: -1.0, must be > 0"),
         ({"axes": [0, 0, 0, 0]}, "axes: [0.0, 0.0, 0.0, 0.0], must be a quaternion"),
     ],

@@ -127,13 +127,15 @@ def test_a_usd_mesh_keeps_its_own_unit_and_axes(
     ("arguments", "words"),
     [
         ([], ["is a mesh that would fall for ever", "--ball", "--ground"]),
-        (["--hit-at-frame", "3", "--ground"], ["hit_at_frame: 3, must come with a ball"]),
-        (["--from", "1,2,3", "--ground"], ["from: (1.0, 2.0, 3.0), must come with a ball"]),
+        (["--hit-at-frame", "3", "--ground"], ["--hit-at-frame: 3, must come with a ball"]),
+        (["--from", "1,2,3", "--ground"], ["--from: (1.0, 2.0, 3.0), must come with a ball"]),
         (["--ball", "1"], ["--ball", "'1', must be R,V"]),
         (["--ball", "1,-2"], ["--ball", "'-2.0', must be a number > 0"]),
         (["--from", "1,2"], ["--from", "must be X,Y,Z"]),
         (["--ground", "--unit", "inch"], ["unit: 'inch'", "must be one of mm, cm, m, km, in, ft"]),
         (["--ground", "--up", "x"], ["--up", "'x'"]),
+        (["--material", "marble"], ["--material: 'marble', must be one of", "a scene file has"]),
+        (["--ground", "--look", "glas"], ["bodies[1].look", "did you mean 'glass'?"]),
         (["--ground", "--material", "concret"], ["concret", "did you mean 'concrete'?"]),
         (["--ground", "--pattern", "voronio"], ["voronio", "did you mean 'voronoi'?", "or a file"]),
         (["--ground", "--material", "steel", "--pieces", "9"], ["steel", "does not break"]),
@@ -158,10 +160,25 @@ def test_wishes_that_cannot_be_are_named(
     assert status == 2 and [word for word in words if word not in line] == [], line
 
 
+def test_a_ball_hits_under_another_gravity(
+    block: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It rises by half of what it falls on its way; on the moon that is less."""
+    for gravity in (1.62, 0.0):
+        words = ["--ball", "0.05,3", "--gravity", str(gravity), "--look", "brick"]
+        scene = printed(capsys, block, *words)
+        body, ball = scene["bodies"]
+        assert scene["gravity"] == [0, -gravity, 0] and body["look"] == "brick"
+        assert ball["linear_velocity"][1] == pytest.approx(0.5 * 0.5 * gravity)
+
+
 def test_wishes_of_what_is_no_mesh_file_are_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["run", "wall", "--material", "glass"]) == 2
-    assert "material: glass, must come with a mesh file; see --set" in capsys.readouterr().err
+    assert "--material: glass, must come with a mesh file; see --set" in capsys.readouterr().err
+    assert main(["run", "walll"]) == 2
+    said = "unknown shot 'walll' (did you mean 'wall'?), must be one that `frangible shots` lists"
+    assert said in capsys.readouterr().err
     with pytest.raises(BuildError, match="no such file"):
         frangible.run("no.obj", wishes={"ground": True})

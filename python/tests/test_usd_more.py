@@ -299,3 +299,50 @@ def test_all_of_it_comes_back_without_loss(tmp_path: Path) -> None:
     exact, found = World.build({"bodies": bodies}, 1), World.build(back, 1)
     assert found.masses == pytest.approx(exact.masses)
     assert found.positions == pytest.approx(exact.positions, abs=1e-6)
+
+
+def test_shapes_below_a_collider_that_is_none_collide(read: Any) -> None:
+    """A Scope with the schema, as in stages of Omniverse: all shapes below it, where none of them
+    says so itself; in a body they are the body's."""
+    shapes = a_prim("Cube", "a", moved("translate = (3, 0, 0)"), "")
+    shapes += a_prim("Xform", "x", a_prim("Sphere", "b", moved("translate = (6, 0, 0)"), ""), "")
+    off = "bool physics:collisionEnabled = 0\n"
+    text = a_prim("Scope", "floor", shapes, STILL)
+    text += a_prim("Scope", "air", off + a_prim("Cube", "c", "", ""), STILL)
+    text += a_prim("Xform", "body", a_prim("Xform", "shapes", shapes, STILL), BODY.replace(
+        ', "PhysicsCollisionAPI"', ""))  # fmt: skip
+    text += a_prim("Scope", "nothing", "", STILL)
+    scene, notes = read(stage(text))
+    names = [one["name"].removeprefix("/World/") for one in scene["bodies"]]
+    assert names == ["floor/a", "floor/x/b", "body"]
+    assert len(body(scene, "body")["shape"]["parts"]) == 2
+    assert notes == [
+        "collider that is no shape (/World/nothing): left out",
+        "round colliders beside others (/World/body): are their convex hulls",
+        "shape that does not collide (/World/air/c): left out",
+    ]
+
+
+def test_a_pointer_of_git_lfs_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "set.usda"
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 3320\n")
+    with pytest.raises(BuildError, match="is a pointer of Git LFS, must be the file"):
+        find_scene(path)
+
+
+def test_bodies_of_a_joint_do_not_collide(read: Any) -> None:
+    """But where it says that they do, or is switched off, or leads to the world."""
+    text = "".join(
+        a_prim("Cube", name, moved(f"translate = ({3 * i}, 0, 0)")) for i, name in enumerate("abcd")
+    )
+    for first, second, more in (
+        ("a", "b", ""),
+        ("b", "c", "bool physics:collisionEnabled = 1"),
+        ("c", "d", "bool physics:jointEnabled = 0"),
+    ):
+        ends = f"rel physics:body0 = </World/{first}>\nrel physics:body1 = </World/{second}>"
+        text += f'def PhysicsRevoluteJoint "{first}{second}"\n{{\n{ends}\n{more}\n}}\n'
+    text += 'def PhysicsFixedJoint "d"\n{\nrel physics:body1 = </World/d>\n}\n'
+    scene, notes = read(stage(text))
+    assert passing(scene) == {"ab"}
+    assert notes == ["joint (/World/ab and 2 more): its bodies move freely"]

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
 from .. import _frangible
+from .._frangible import BuildError
 from ..breaking.piece_count import LEAST_PIECES, MOST_PIECES
 from ..io.drawing import FILM_SIZE, PICTURE_SIZE, RENDERERS, View
 from ..render.shutter import Shutter
@@ -112,18 +113,25 @@ def chosen_scene(options: argparse.Namespace, wishes: Mapping[str, Any]) -> tupl
     """The scene, number of frames and name that the options of `add_scene_options` choose, with
     what is wished of a mesh file."""
     check_pieces(options.pieces, None)
-    return find_scene(
-        options.shot,
-        mesh=options.mesh,
-        thickness=options.thickness,
-        fps=options.fps,
-        method=options.method,
-        seed=options.seed,
-        pieces=options.pieces,
-        assignments=options.assignments,
-        pose_time=options.pose_time,
-        wishes=wishes,
-    )
+    try:
+        return find_scene(
+            options.shot,
+            mesh=options.mesh,
+            thickness=options.thickness,
+            fps=options.fps,
+            method=options.method,
+            seed=options.seed,
+            pieces=options.pieces,
+            assignments=options.assignments,
+            pose_time=options.pose_time,
+            wishes=wishes,
+        )
+    except BuildError as error:
+        # The field of a wish by its option.
+        field, colon, rest = str(error).partition(": ")
+        if not colon or field not in {*wishes, "from"}:
+            raise
+        raise BuildError(f"--{field.replace('_', '-')}: {rest}") from None
 
 
 def add_inside(parser: argparse.ArgumentParser, default: str) -> None:

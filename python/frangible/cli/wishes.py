@@ -24,6 +24,8 @@ OPTIONS = {
     "origin": "--from",
     "hit_at_frame": "--hit-at-frame",
     "ground": "--ground",
+    "gravity": "--gravity",
+    "look": "--look",
     "up": "--up",
     "unit": "--unit",
 }
@@ -83,6 +85,12 @@ def add_wishes(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--ground", action="store_const", const=True, help="it stands on ground, where it is lowest"
+    )
+    group.add_argument(
+        "--gravity", type=finite, metavar="M/S2", help="downwards [9.81]; scenes say their own"
+    )
+    group.add_argument(
+        "--look", metavar="NAME", help="what it looks like: a look's name [the material's]"
     )
     group.add_argument("--up", choices=("y", "z"), help="the file's axis that points up [y]")
     group.add_argument("--unit", metavar="NAME", help=f"the file's unit: {', '.join(UNITS)} [m]")

@@ -130,7 +130,9 @@ def read_npz(path: str) -> Recording:
             return read_folder(path)
     check_is_file(path)
     if not is_zipfile(path):
-        raise CacheError(f"{path}: is not a .npz file")
+        named = f"{os.path.splitext(os.path.basename(path))[0]}.npz"
+        hint = f", must be the cache of a run, which --out {named} writes"
+        raise CacheError(f"{path}: is not a .npz file{hint}")
     with one_sentence(path, ".npz cache", CacheError):
         arrays = read_arrays(path)
         if "format" not in arrays:

@@ -9,6 +9,10 @@ import stat
 MOST_BYTES = 2**31
 
 
+#: What Git LFS leaves in the place of a file that was not fetched, and its most bytes.
+_POINTER, _LARGEST_POINTER = b"version https://git-lfs", 1024
+
+
 class FileNote(UserWarning):
     """A sentence about what a reader left out of a file."""
 
@@ -32,4 +36,14 @@ def file_fault(path: str) -> str | None:
         return "is a device or a pipe, must be a regular file"
     if status.st_size > MOST_BYTES:
         return f"has {status.st_size} bytes, must have at most {MOST_BYTES}"
+    if status.st_size < _LARGEST_POINTER and _begins(path, _POINTER):
+        return "is a pointer of Git LFS, must be the file that it stands for (git lfs pull)"
     return None
+
+
+def _begins(path: str, with_bytes: bytes) -> bool:
+    try:
+        with open(path, "rb") as file:
+            return file.read(len(with_bytes)) == with_bytes
+    except OSError:
+        return False

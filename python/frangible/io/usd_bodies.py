@@ -62,6 +62,8 @@ class _Finder:
         predicate = undefined if is_prototype else Usd.PrimDefaultPredicate
         #: The bodies above the prim, innermost last; `None` where transforms begin anew.
         above: list[tuple[Any, StageBody]] = []
+        #: Prims that are no shapes and whose shapes collide, all that are below them.
+        whole: list[Any] = []
         prims = iter(Usd.PrimRange(root, Usd.TraverseInstanceProxies(predicate)))
         for prim in prims:
             path = prim.GetPath()
@@ -76,15 +78,22 @@ class _Finder:
             world = self._world(prim) @ placed @ self.units
             body = above[-1][1] if above else None
             is_body = prim.HasAPI(UsdPhysics.RigidBodyAPI)
-            if (is_body or prim.HasAPI(UsdPhysics.CollisionAPI)) and not np.isfinite(world).all():
+            says_so = prim.HasAPI(UsdPhysics.CollisionAPI)
+            collides = says_so or (
+                prim.IsA(UsdGeom.Gprim) and any(path.HasPrefix(one) for one in whole)
+            )
+            if (is_body or collides) and not np.isfinite(world).all():
                 file = self.stage.GetRootLayer().identifier
                 raise BuildError(f"{file}: the transform of {path} has a number that is not finite")
             if is_body:
                 body = self._body(prim, world, body, f"{path}{instance}")
                 if body is not None and not (above and above[-1][1] is body):
                     above.append((path, body))
-            if prim.HasAPI(UsdPhysics.CollisionAPI):
-                self._collider(prim, world, body, f"{path}{instance}")
+            if says_so:
+                if self._collider(prim, world, body, f"{path}{instance}"):
+                    whole.append(path)
+            elif collides:
+                self._add_collider(prim, world, body, f"{path}{instance}")
 
     def _world(self, prim: Any) -> Float64:
         """From the prim's frame to the stage's."""
@@ -109,17 +118,23 @@ class _Finder:
         self._add(body)
         return body
 
-    def _collider(self, prim: Any, world: Float64, body: StageBody | None, name: str) -> None:
+    def _collider(self, prim: Any, world: Float64, body: StageBody | None, name: str) -> bool:
+        """Add a collider; true if it is no shape, and no prim below it is said to collide: all
+        shapes there do."""
         if not UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get(self.time):
-            return
+            return False
         if not prim.IsA(UsdGeom.Gprim):
-            # Whatever below it shall collide says so itself.
-            children = Usd.PrimRange(prim, Usd.TraverseInstanceProxies())
-            if not any(
-                child != prim and child.HasAPI(UsdPhysics.CollisionAPI) for child in children
-            ):
+            children = list(Usd.PrimRange(prim, Usd.TraverseInstanceProxies()))[1:]
+            if any(child.HasAPI(UsdPhysics.CollisionAPI) for child in children):
+                return False
+            if not any(child.IsA(UsdGeom.Gprim) for child in children):
                 self.notes.add("collider that is no shape", prim.GetPath())
-            return
+                return False
+            return True
+        self._add_collider(prim, world, body, name)
+        return False
+
+    def _add_collider(self, prim: Any, world: Float64, body: StageBody | None, name: str) -> None:
         if body is None:
             body = StageBody(prim, name, world, "static")
             self._add(body)

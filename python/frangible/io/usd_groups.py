@@ -1,4 +1,5 @@
-"""Collision groups and filtered pairs of a stage, as groups of a scene's bodies."""
+"""Collision groups, filtered pairs and joints of a stage, as groups of a scene's bodies: who passes
+through whom."""
 
 from __future__ import annotations
 
@@ -20,6 +21,7 @@ def add_groups(
     passes: list[list[str]] = [[] for _ in bodies]
     _add_collision_groups(stage, bodies, groups, passes, notes)
     _add_filtered_pairs(stage, bodies, groups, passes, notes)
+    _add_joints(stage, bodies, groups, passes)
     # A group that nobody passes through has no effect.
     heard = {name for names in passes for name in names}
     for one, own, through in zip(fields, groups, passes, strict=True):
@@ -119,6 +121,36 @@ def _add_filtered_pairs(
                 groups[index].append(str(target))
             for index in own:
                 passes[index].append(str(target))
+
+
+def _add_joints(
+    stage: Any, bodies: list[StageBody], groups: list[list[str]], passes: list[list[str]]
+) -> None:
+    """Two bodies of a joint do not collide, unless it says so: they overlap where they meet."""
+    numbers: dict[Any, list[int]] = {}
+    for index, body in enumerate(bodies):
+        numbers.setdefault(body.prim.GetPath(), []).append(index)
+
+    def of(relationship: Any) -> list[int]:
+        targets = relationship.GetForwardedTargets()
+        path = targets[0] if targets else None
+        while path is not None and not path.isEmpty and path not in numbers:
+            path = path.GetParentPath()
+        return [] if path is None else numbers.get(path, [])
+
+    for prim in _all_prims(stage):
+        if not prim.IsA(UsdPhysics.Joint):
+            continue
+        joint = UsdPhysics.Joint(prim)
+        if joint.GetCollisionEnabledAttr().Get() or not joint.GetJointEnabledAttr().Get():
+            continue
+        first, second = of(joint.GetBody0Rel()), of(joint.GetBody1Rel())
+        if first and second and first != second:
+            name = str(bodies[second[0]].prim.GetPath())
+            for index in second:
+                groups[index].append(name)
+            for index in first:
+                passes[index].append(name)
 
 
 def _bodies_at(path: Any, bodies: list[StageBody]) -> Iterator[int]:

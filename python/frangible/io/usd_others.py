@@ -19,9 +19,9 @@ _NAMED = {
 _ENGINES = {"Physx": "PhysX", "Newton": "Newton", "Mjc": "MuJoCo", "Omni": "Omniverse"}
 
 
-def name_others(stage: Any, notes: Notes) -> None:
+def name_others(stage: Any, colliding: set[Any], notes: Notes) -> None:
     """Joints, articulations, what is soft or does not collide, and settings of
-    other engines."""
+    other engines. ``colliding`` are the paths of all colliders."""
     predicate = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
     for prim in stage.Traverse(predicate):
         path = prim.GetPath()
@@ -31,7 +31,8 @@ def name_others(stage: Any, notes: Notes) -> None:
                 notes.add("joint", path, "its bodies move freely")
             # What drives and limits it goes with it.
             continue
-        if prim.IsA(UsdGeom.Gprim) and not prim.HasAPI(UsdPhysics.CollisionAPI) and _is_seen(prim):
+        is_silent = path in colliding or prim.HasAPI(UsdPhysics.CollisionAPI)
+        if prim.IsA(UsdGeom.Gprim) and not is_silent and _is_seen(prim):
             notes.add("shape that does not collide", path)
         if not prim.IsA(Usd.Typed) and prim.GetTypeName():
             notes.add(f"type {prim.GetTypeName()}, which USD does not know", path)

@@ -10,6 +10,7 @@ from pxr import Gf, UsdPhysics
 from .. import _frangible
 from ..recording import Float64
 from .usd_bodies import StageBody
+from .usd_colliders import Fit
 from .usd_frames import Frame, frame_of, quaternion, rotation_of, tidy_list
 from .usd_mass import Units
 from .usd_notes import Notes
@@ -24,13 +25,12 @@ def own_mass(
     fields: dict[str, Any],
     body: StageBody,
     shape: Frame,
-    corners: Float64,
+    fits: list[Fit],
     units: Units,
     notes: Notes,
 ) -> dict[str, Any] | None:
     """``mass_properties`` of a dynamic body with these fields; `None`, with a note, where it cannot
-    have them. ``shape`` is the frame of its shape, and ``corners`` (n, 3) are those of its
-    colliders, in the world."""
+    have them. ``shape`` is the frame of its shape, and ``fits`` are the shapes of its colliders."""
     for collider in body.colliders:
         if collider.prim != body.prim and any(_said(collider.prim)):
             notes.add("centre of mass or inertia of a collider", collider.prim.GetPath(), _INSTEAD)
@@ -55,8 +55,7 @@ def own_mass(
     if not own:
         return None
     what = "centre of mass of its own" if "center" in own else "inertia of its own"
-    local = (corners - shape.origin) @ shape.rotation.T
-    if (reason := _refusal(fields, own, local)) is not None:
+    if (reason := _refusal(fields, own, shape, fits)) is not None:
         notes.add(what, body.name, f"{_INSTEAD}: {reason}")
         return None
     if own.get("axes") == [0.0, 0.0, 0.0, 1.0]:
@@ -113,14 +112,18 @@ def _is_middle(shape: dict[str, Any], place: Float64) -> bool:
     return bool(off <= NEAR * max(size, np.abs(place).max()))
 
 
-def _refusal(fields: dict[str, Any], own: dict[str, Any], corners: Float64) -> str | None:
+def _refusal(
+    fields: dict[str, Any], own: dict[str, Any], frame: Frame, fits: list[Fit]
+) -> str | None:
     """Why the engine does not take it; `None` if it does."""
     if "material" in fields or "breaking" in fields or "bonds" in fields:
         return "the body breaks"
     shape = fields["shape"]
     tried = dict(own)
     if shape["kind"] == "mesh":
-        # A mesh must hold it in its bounds.
+        # Of a mesh its bounds count.
+        corners = np.concatenate([one.corners() for one in fits])
+        corners = (corners - frame.origin) @ frame.rotation.T
         low, high = corners.min(axis=0), corners.max(axis=0)
         shape = {"kind": "box", "size": (high - low).tolist()}
         if "center" in own:

@@ -161,7 +161,8 @@ class _Importer:
                 self.prims.append(body.prim)
                 bodies.append(body)
         add_groups(self.stage, bodies, scene["bodies"], self.notes)
-        name_others(self.stage, self.notes)
+        colliding = {one.prim.GetPath() for body in found for one in body.colliders}
+        name_others(self.stage, colliding, self.notes)
         return scene
 
     def _range(self) -> _Range:
@@ -231,10 +232,9 @@ class _Importer:
             self._add_motion(fields, body)
         if body.motion == "dynamic":
             self._add_density(fields, body, fits, shape, "material" in fracture)
-            corners = np.concatenate([one.corners() for one in fits])
             add_vertex_strength(fracture, body, frame, self.path, self.time, self.notes)
             said = {**fields, **fracture}
-            if masses := own_mass(said, body, frame, corners, self.units, self.notes):
+            if masses := own_mass(said, body, frame, fits, self.units, self.notes):
                 fields["mass_properties"] = masses
         elif body.motion == "kinematic" or is_animated(body.prim):
             self._add_poses(fields, body, frame, own)

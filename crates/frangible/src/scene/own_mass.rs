@@ -61,7 +61,7 @@ pub(crate) fn with_own_mass(
     match shape.with_body_frame(frame) {
         Some(shape) => Ok((Arc::new(shape), density)),
         None => Err(at.broken(
-            "that turn a round shape off its axis or its middle",
+            "of a round shape off its axis or its middle",
             "about its middle, with one of its axes along y",
         )),
     }
