@@ -265,7 +265,7 @@ void main() {
   vec3 sky = mirror.y > 0.0 ? 1.7 * backdrop(mirror) : FLOOR_COLOUR;
   vec3 sparkle = 6.0 * pow(max(dot(mirror, lamp), 0.0), 700.0) * LAMP_COLOUR;
   vec3 own = 0.5 * (1.0 - clear) * shade(albedo, metallic, roughness, world, n, n, ray);
-  radiance = vec4(own + reflectance * sky + sparkle, 1.0);
+  radiance = vec4(own + reflectance * sky + sparkle + emission, 1.0);
 #endif
 #else
   if (laid.colour.a < shine.a) discard;

@@ -96,7 +96,6 @@ void main() {
   normalWorld = turned(entry(poses, 2u * ids.x + 1u), normal.xyz);
   grainPoint = turned(entry(pieces, 2u * ids.x + 1u), position);
   colour = entry(materials, 4u * ids.y);
-  colour.rgb *= entry(pieces, 2u * ids.x).rgb;
   finish = entry(materials, 4u * ids.y + 1u);
   shine = entry(materials, 4u * ids.y + 2u);
   relief = entry(materials, 4u * ids.y + 3u);
@@ -104,5 +103,21 @@ void main() {
   imagePlace = place;
   corner = cornerColour;
 #endif
+  // A factor of the material's colour, or a colour in place of all that the material says.
+  vec4 look = entry(pieces, 2u * ids.x);
+  uint flags = uint(look.w + 0.5);
+  if ((flags & 1u) != 0u) {
+    colour = vec4(look.rgb, min(colour.a, 0.3));
+    finish = vec4(0.0, 0.0, finish.z, -1.0);
+    shine.rgb = vec3(0.0);
+    relief = vec4(0.8, -1.0, -1.0, -1.0);
+#ifdef SKINNED
+    corner.rgb = vec3(1.0);
+#endif
+  } else {
+    colour.rgb *= look.rgb;
+  }
+  // What is picked glows.
+  if ((flags & 2u) != 0u) shine.rgb += vec3(0.62, 0.26, 0.03);
 }
 `;
