@@ -119,7 +119,7 @@ export class Colouring {
 }
 
 function moves({ mass, parent }: { mass: number; parent: number }): boolean {
-  return Number.isFinite(mass) || parent >= 0;
+  return mass !== Infinity || parent >= 0;
 }
 
 /** A colour that differs from those of near ids, linear. */

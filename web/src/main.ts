@@ -28,6 +28,14 @@ function missing(): string {
   return "";
 }
 
+/** What the address asks for. */
+const asked = new URLSearchParams(location.hash.slice(1));
+
+/** The frame that the address asks for; `null` to play. */
+function askedFrame(): number | null {
+  return asked.has("frame") ? Number(asked.get("frame")) || 0 : null;
+}
+
 /** Play what is there, and what the address asks for. */
 async function play(reel: Reel): Promise<[Player, Panel]> {
   const canvas = element("view") as HTMLCanvasElement;
@@ -41,12 +49,13 @@ async function play(reel: Reel): Promise<[Player, Panel]> {
     state["state"] = player.clock.playing ? "playing" : settled ? "settled" : "paused";
   };
   say("");
-  const asked = new URLSearchParams(location.hash.slice(1));
   panel.changeExplode(Number(asked.get("explode")) || 0);
   const colour = asked.get("colour") as Quantity;
   if (QUANTITIES.includes(colour)) panel.colourBy(colour);
+  if (asked.has("quality")) player.spend(Number(asked.get("quality")));
   if (asked.has("pick")) panel.pick(Number(asked.get("pick")) || 0);
-  if (asked.has("frame")) player.clock.seek(Number(asked.get("frame")) || 0);
+  const frame = askedFrame();
+  if (frame !== null) player.clock.seek(frame);
   else player.clock.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
   player.start();
   return [player, panel];
@@ -59,7 +68,7 @@ async function follow(): Promise<void> {
   const response = await fetch(CHUNKS);
   if (!response.ok || response.body === null) throw new Error(`its server answers ${response.status}`);
   for await (const blob of blobs(response.body)) {
-    const images = reel.images.length;
+    const [images, frames] = [reel.images.length, reel.frames];
     const hasNew = reel.append(await unpacked(blob));
     if (shown === null) {
       shown = await play(reel);
@@ -69,6 +78,9 @@ async function follow(): Promise<void> {
     if (reel.images.length > images) player.restage(await loadImages(reel.images));
     else if (hasNew) player.takeIn();
     panel.takeIn();
+    // What was asked for comes only now.
+    const frame = askedFrame();
+    if (frame !== null && frame > frames && player.clock.time === frames) player.clock.seek(frame);
     document.documentElement.dataset["frames"] = String(reel.frames);
   }
   // The run was stopped before its end.

@@ -26,6 +26,7 @@ export class Panel {
   private readonly graph: EnergyGraph;
   private readonly legend = new Legend(element("legend"));
   private readonly announcer = new Announcer(element("spoken"));
+  private wantsGraph = innerHeight >= ROOM_FOR_GRAPH;
 
   constructor(
     private readonly player: Player,
@@ -51,7 +52,6 @@ export class Panel {
     colour.addEventListener("change", () => this.colourBy(colour.value as Quantity));
     this.listen();
 
-    element("energy").hidden = innerHeight < ROOM_FOR_GRAPH;
     for (const id of ["caption", "controls"]) element(id).hidden = false;
     this.takeIn();
     // Help comes over the picture; all else leaves it free.
@@ -73,8 +73,7 @@ export class Panel {
     explode.disabled = footage.bodies.every((body) => body.pull.every((part) => part === 0));
     explode.title = explode.disabled ? "Nothing has broken" : "";
     (element("break") as HTMLButtonElement).disabled = this.breaks.length === 0;
-    if (this.graph.isEmpty) element("energy").hidden = true;
-    (element("graph-toggle") as HTMLButtonElement).disabled = this.graph.isEmpty;
+    this.showGraph();
     element("live").hidden = !footage.grows;
     this.drawMarks();
     this.tell();
@@ -217,10 +216,15 @@ export class Panel {
   }
 
   private toggleGraph(): void {
-    if (this.graph.isEmpty) return;
-    element("energy").hidden = !element("energy").hidden;
-    element("graph-toggle").setAttribute("aria-expanded", String(!element("energy").hidden));
+    this.wantsGraph = !this.wantsGraph;
+    this.showGraph();
     this.show();
+  }
+
+  private showGraph(): void {
+    element("energy").hidden = this.graph.isEmpty || !this.wantsGraph;
+    (element("graph-toggle") as HTMLButtonElement).disabled = this.graph.isEmpty;
+    element("graph-toggle").setAttribute("aria-expanded", String(!element("energy").hidden));
   }
 
   private changeSpeed(by: number): void {

@@ -16,12 +16,17 @@ const PICTURES = 32;
 const PATIENCE = 6000;
 /** From best to cheapest; a step down is taken when a picture takes longer than that [ms]. */
 const LEVELS: readonly (Quality & { pixelRatio: number })[] = [
-  { pixelRatio: 2, taps: 24, ambient: true },
-  { pixelRatio: 1, taps: 12, ambient: true },
-  { pixelRatio: 0.75, taps: 6, ambient: false },
+  { pixelRatio: 2, taps: 24, ambient: true, samples: 4, shadow: 2048, isCoarse: false },
+  { pixelRatio: 1, taps: 12, ambient: true, samples: 4, shadow: 2048, isCoarse: false },
+  { pixelRatio: 0.75, taps: 6, ambient: false, samples: 4, shadow: 2048, isCoarse: false },
+  { pixelRatio: 0.5, taps: 4, ambient: false, samples: 0, shadow: 1024, isCoarse: true },
+  { pixelRatio: 0.5, taps: 1, ambient: false, samples: 0, shadow: 512, isCoarse: true },
 ];
 const TOO_LONG = 45;
 const BEST = 0;
+/** What rests that long is drawn at this level at least [ms]. */
+const REST = 300;
+const SHARP = 1;
 
 /** No more is drawn here: the driver took the context away. */
 export type OnLost = () => void;
@@ -52,6 +57,7 @@ export class Player {
   private stage: Stage | null = null;
   private level = BEST;
   private durations: number[] = [];
+  private isResting = false;
   private picture = 0;
   private still = 0;
   private last = performance.now();
@@ -97,6 +103,12 @@ export class Player {
     this.orbit.saveState();
     this.stage?.dispose();
     this.stage = new Stage(this.renderer, footage, this.images, this.camera);
+    this.resize();
+  }
+
+  /** Begin with less than the best pictures, which is level 0. */
+  spend(level: number): void {
+    this.level = Math.min(Math.max(Math.round(level) || 0, BEST), LEVELS.length - 1);
     this.resize();
   }
 
@@ -186,9 +198,14 @@ export class Player {
     if (isPainted) looks.needsUpdate = true;
     if (state !== this.state || isPainted) {
       this.adapt(duration);
+      this.rest(false);
       this.state = state;
       this.picture = 0;
       this.still = now;
+    } else if (!this.isResting && this.level > SHARP && now - this.still > REST) {
+      this.rest(true);
+      this.state = state;
+      this.picture = 0;
     } else if (this.picture >= PICTURES || (now - this.still > PATIENCE && this.picture >= 4)) {
       this.durations = [];
       return;
@@ -203,9 +220,21 @@ export class Player {
     this.camera.updateProjectionMatrix();
     this.renderer.info.reset();
     this.stage?.pose(this.clock.time, this.explode);
-    this.stage?.draw(this.camera, this.orbit.target, LEVELS[this.level]!, this.picture);
+    this.stage?.draw(this.camera, this.orbit.target, this.quality, this.picture);
     this.picture++;
-    this.onDraw(this.picture >= 4);
+    this.onDraw(this.picture >= 4 && (this.isResting || this.level <= SHARP));
+  }
+
+  private get quality(): (typeof LEVELS)[number] {
+    return LEVELS[this.isResting ? Math.min(this.level, SHARP) : this.level]!;
+  }
+
+  /** Nothing moves: there is time for a sharper picture. */
+  private rest(isResting: boolean): void {
+    if (isResting === this.isResting) return;
+    this.isResting = isResting;
+    this.durations = [];
+    if (this.level > SHARP) this.resize();
   }
 
   /** Spend less on a picture where the last ones took too long. */
@@ -222,7 +251,7 @@ export class Player {
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
     const [width, height] = [Math.max(clientWidth, 1), Math.max(clientHeight, 1)];
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, LEVELS[this.level]!.pixelRatio));
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, this.quality.pixelRatio));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     const free = Math.max(height - this.covered, height / 4);

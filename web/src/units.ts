@@ -1,19 +1,20 @@
 // Numbers as people read them.
 
 const PREFIXES: readonly (readonly [number, string])[] = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"]];
+/** Units that are read as they are. */
+const PLAIN = ["kg", "m/s", "s"];
 
-/** Three digits and a unit with its prefix; masses stay in kilograms. */
+/** Four digits of a mass, three of all else, and a unit with its prefix. */
 export function quantity(value: number, unit: string): string {
   if (Number.isNaN(value)) return "unknown";
   if (!Number.isFinite(value)) return "cannot be moved";
-  const size = Math.abs(value);
-  if (unit === "kg" || unit === "m/s" || unit === "s") return `${plain(value)} ${unit}`;
-  const [factor, prefix] = PREFIXES.find(([least]) => size >= least * 0.9995) ?? [1, ""];
-  return `${plain(value / factor)} ${prefix}${unit}`;
+  if (PLAIN.includes(unit)) return `${digits(value, unit === "kg" ? 4 : 3)} ${unit}`;
+  const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(value) >= least * 0.9995) ?? [1, ""];
+  return `${digits(value / factor, 3)} ${prefix}${unit}`;
 }
 
-function plain(value: number): string {
-  if (value === 0 || Math.abs(value) < 5e-7) return "0";
-  if (Math.abs(value) >= 1000) return Math.round(value).toLocaleString("en", { useGrouping: Math.abs(value) >= 1e4 });
-  return String(Number(value.toPrecision(4).slice(0, 12)) === 0 ? value.toExponential(2) : Number(value.toPrecision(Math.abs(value) < 1 ? 3 : 4)));
+function digits(value: number, count: number): string {
+  if (Math.abs(value) < 5e-7) return "0";
+  if (Math.abs(value) >= 10 ** count) return String(Math.round(value));
+  return String(Number(value.toPrecision(count)));
 }

@@ -46,7 +46,9 @@ class _Reader:
         self._shot = str(extras.get("shot", os.path.splitext(os.path.basename(path))[0]))
         self._fps = float(extras.get("fps", _RATE))
         self._channels = self._read_channels()
-        ends = [times[-1] for channels in self._channels.values() for times, _, _ in channels.values()]
+        ends = [
+            times[-1] for channels in self._channels.values() for times, _, _ in channels.values()
+        ]
         frames = round(max(ends, default=0.0) * self._fps)
         self._frames = max(frames, int(extras.get("frames", 0)))
         if self._frames * len(document.items("nodes")) > _MOST:
@@ -163,16 +165,16 @@ class _Reader:
             first += len(points)
         if not parts:
             return None
-        points, triangles, inside, places, normals, own = (
+        vertices, faces, interior, places, normals, material = (
             np.concatenate(part) for part in zip(*parts, strict=True)
         )
-        skin = Skin(self._materials, own, normals=normals.astype(np.float32))
+        skin = Skin(self._materials, material, normals=normals.astype(np.float32))
         return ShownMesh(
             str(node.get("name", f"node {number}")),
             str(above),
-            points,
-            triangles.astype(np.uint32),
-            inside,
+            vertices,
+            faces.astype(np.uint32),
+            interior,
             places.astype(np.float32),
             skin if self._materials else None,
             matrices,

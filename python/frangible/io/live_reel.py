@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 
 from ..laid import Laid
-from ..recorder import Known, Poses, SeenBody, rows_of_bodies
+from ..recorder import Known, Path, Poses, SeenBody, rows_of_bodies
 from ..recording import Body, Float32, Recording, without_sign_flips
 from ..render.camera import frame_recording
 from ..report import StepReport
@@ -105,13 +105,24 @@ class LiveReel:
         """See `Frames`."""
         return iter(self._seen.values())
 
+    def reports(self) -> Iterator[StepReport]:
+        """Of the frames since the last chunk."""
+        return iter(self._reports)
+
+    def paths(self) -> dict[int, Path]:
+        """Of the frames since the last chunk, and of its last one."""
+        return {
+            body_id: Path(self._first + first, positions, without_sign_flips(orientations))
+            for body_id, first, positions, orientations in rows_of_bodies(self._frames)
+        }
+
     def _recording(self) -> Recording:
         """The frames since the last chunk, with the last one of that."""
         last = self._first + len(self._frames) - 1
         skins = self._laid()
         bodies = []
-        for body_id, first, positions, orientations in rows_of_bodies(self._frames):
-            birth, death = self._first + first, self._first + first + len(positions)
+        for body_id, path in self.paths().items():
+            birth, death = path.birth_frame, path.birth_frame + len(path.positions)
             seen = self._seen[body_id]
             vertices, triangles, interior, coordinates = seen.surface
             skin, coordinates = skins.get(body_id, (None, coordinates))
@@ -129,8 +140,8 @@ class LiveReel:
                     triangles=triangles,
                     interior=interior,
                     coordinates=coordinates,
-                    positions=positions,
-                    orientations=without_sign_flips(orientations),
+                    positions=path.positions,
+                    orientations=path.orientations,
                     skin=skin,
                     before=seen.before if birth > self._first else None,
                     volume=seen.volume,

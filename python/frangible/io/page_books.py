@@ -24,11 +24,14 @@ _ASKED = 8
 
 def add_energy(blob: Blob, reports: list[StepReport]) -> None:
     """Energy after each step, and what changed it, as bits of single-precision numbers."""
-    rows = [
-        [float(energy.get(name, 0.0)) for name in _STATE]
-        + [float(cast(dict[str, float], energy.get("causes", {})).get(name, 0.0)) for name in CAUSES]
-        for energy in (cast(dict[str, float], report.get("energy", {})) for report in reports)
-    ]
+    rows = []
+    for report in reports:
+        energy = cast(dict[str, float], report.get("energy", {}))
+        causes = cast(dict[str, float], energy.get("causes", {}))
+        rows.append(
+            [float(energy.get(name, 0.0)) for name in _STATE]
+            + [float(causes.get(name, 0.0)) for name in CAUSES]
+        )
     blob.add("energy", bits(np.array(rows).reshape(-1, len(_STATE) + len(CAUSES))))
     blob.add("energy_frames", np.array([report["frame"] for report in reports], np.int64))
 

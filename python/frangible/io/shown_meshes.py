@@ -39,7 +39,8 @@ class ShownMesh:
 
 def recording_of(shot: str, fps: float, frames: int, meshes: list[ShownMesh]) -> Recording:
     """Bodies with the life and the motion of meshes; masses and breaks are not known."""
-    bodies, groups = [], []
+    bodies: list[Body] = []
+    groups: list[str] = []
     for mesh in meshes:
         shown = _lives(mesh, frames)
         if shown is None:
@@ -51,9 +52,7 @@ def recording_of(shot: str, fps: float, frames: int, meshes: list[ShownMesh]) ->
     for body in sorted(bodies, key=lambda body: body.birth_frame):
         parent = parents[body.id]
         sources[body.id] = body.id if parent is None else sources[parent]
-    named = [
-        replace(body, parent=parents[body.id], source=sources[body.id]) for body in bodies
-    ]
+    named = [replace(body, parent=parents[body.id], source=sources[body.id]) for body in bodies]
     named.sort(key=lambda body: (body.birth_frame, body.id))
     return Recording(shot, "", fps, frames, named)
 

@@ -38,7 +38,8 @@ def read_usd_recording(path: str) -> Recording | None:
         start, end = stage.GetStartTimeCode(), stage.GetEndTimeCode()
         frames = max(round(end - start), 0)
         if frames * len(moving) > _MOST:
-            raise CacheError(f"{path}: has {frames} frames of {len(moving)} meshes, that is too many")
+            said = f"{frames} frames of {len(moving)} meshes that move"
+            raise CacheError(f"{path}: has {said}, must have at most {_MOST} of both together")
         with one_sentence(path, "USD file", CacheError):
             return _recording(path, stage, prims, moving, frames)
 
@@ -98,9 +99,8 @@ def _mesh(
     mesh = UsdGeom.Mesh(prim)
     time = Usd.TimeCode(start)
     points = mesh.GetPointsAttr().Get(time)
-    counts, indices = mesh.GetFaceVertexCountsAttr().Get(time), mesh.GetFaceVertexIndicesAttr().Get(
-        time
-    )
+    counts = mesh.GetFaceVertexCountsAttr().Get(time)
+    indices = mesh.GetFaceVertexIndicesAttr().Get(time)
     if not points or not counts or not indices:
         return None
     if mesh.GetPointsAttr().ValueMightBeTimeVarying():
@@ -113,11 +113,11 @@ def _mesh(
     names, subsets = stage_material_names(prim)
     materials, numbers = known
     of_face = np.array([numbers.get(name, NO_MATERIAL) for name in names], np.int32)
-    inside = np.array(
-        [any(word in f"{name} {subset}".lower() for word in _INSIDE)
-         for name, subset in zip((name.rpartition("/")[2] for name in names), subsets, strict=True)],
-        np.bool_,
-    )  # fmt: skip
+    words = [
+        f"{name.rpartition('/')[2]} {subset}".lower()
+        for name, subset in zip(names, subsets, strict=True)
+    ]
+    inside = np.array([any(word in own for word in _INSIDE) for own in words], np.bool_)
     skin = Skin(materials, of_face[polygon], normals=_normals(mesh, time, corners, triangles))
     return ShownMesh(
         prim.GetName(),
