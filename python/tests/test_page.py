@@ -68,6 +68,12 @@ def blob(page: str) -> tuple[dict[str, Any], bytes]:
     return json.loads(inflated[4:end]), inflated[end:]
 
 
+def header_of(recording: Recording) -> dict[str, Any]:
+    inflated = zlib.decompress(encode(recording, frame_recording(recording, ASPECT)))
+    header: dict[str, Any] = json.loads(inflated[4 : 4 + int.from_bytes(inflated[:4], "little")])
+    return header
+
+
 def columns(recording: Recording, name: str) -> np.ndarray[Any, Any]:
     """A stream, (rows, columns), read as the format says."""
     inflated = zlib.decompress(encode(recording, frame_recording(recording, ASPECT)))

@@ -187,7 +187,7 @@ export class Panel {
       key("c", "C Shift+C", "next colours, those before", (shift) => this.changeColour(shift ? -1 : 1)),
       key("e", "E Shift+E", "pull pieces apart, together", (shift) => this.changeExplode(shift ? -0.1 : 0.1)),
       key("g", "G", "energy", () => this.toggleGraph()),
-      { keys: [], shown: ["Shift+← → ↑ ↓"], says: "turn the view", does: () => {} },
+      { keys: [], shown: ["Shift", "← → ↑ ↓"], says: "turn the view", does: () => {} },
       key("+ = -", "+ −", "nearer, further away", (_, name) => viewpoint.zoom(name !== "-")),
       key("w a s d", "W A S D", "move the view", (_, name) => viewpoint.move(...MOVES[name]!)),
       key("r", "R", "first view", () => this.player.resetView()),
