@@ -467,3 +467,6 @@ class World:
 
     def state_hash(self) -> str:
         """Hexadecimal digest of the whole state: equal states have equal hashes."""
+
+    def _repr_html_(self) -> str:
+        """The world as it is now, for a notebook: a page that shows it from all sides."""

@@ -129,6 +129,12 @@ class Recording:
             f"{len(self.bodies)} bodies>"
         )
 
+    def _repr_html_(self) -> str:
+        """The player, for a notebook."""
+        from .notebook import recording_html
+
+        return recording_html(self)
+
     @staticmethod
     def record(
         world: World,

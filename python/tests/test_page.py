@@ -75,6 +75,12 @@ def inflated_of(recording: Recording) -> bytes:
     return zlib.decompress(b"".join(pieces))
 
 
+def header_of(recording: Recording) -> dict[str, Any]:
+    inflated = inflated_of(recording)
+    header: dict[str, Any] = json.loads(inflated[4 : 4 + int.from_bytes(inflated[:4], "little")])
+    return header
+
+
 def columns(recording: Recording, name: str) -> np.ndarray[Any, Any]:
     """A stream, (rows, columns), read as the format says."""
     inflated = inflated_of(recording)

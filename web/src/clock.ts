@@ -16,6 +16,8 @@ export class Clock {
   playing = false;
   /** Seconds of the recording in a second. */
   speed = 1;
+  /** Whether it begins anew at the end. */
+  loop = false;
 
   constructor(private readonly film: Frames) {}
 
@@ -33,7 +35,9 @@ export class Clock {
   advance(seconds: number): void {
     if (!this.playing) return;
     this.time = Math.min(this.time + seconds * this.speed * this.film.fps, this.frames);
-    if (this.time === this.frames && !this.film.grows) this.playing = false;
+    if (this.time < this.frames || this.film.grows) return;
+    if (this.loop) this.time = 0;
+    else this.playing = false;
   }
 
   /** Play from here, or from the start if this is the end. */

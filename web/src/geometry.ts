@@ -1,6 +1,7 @@
 // All corners of all bodies in one set of buffers, and the tables that the shaders look bodies up
 // in.
 import { BufferAttribute, BufferGeometry, DataTexture, FloatType, RGBAFormat } from "three";
+import { coarser } from "./coarse";
 import { TEXELS } from "./poses";
 import type { Footage } from "./recording";
 import { TABLE_WIDTH } from "./shaders/place";
@@ -14,20 +15,31 @@ export class Geometries {
   /** What lets light pass. */
   readonly glass = new BufferGeometry();
   hasGlass = false;
+  private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> = { fine: {}, coarse: {} };
+  private isCoarse = false;
 
   /** `skinned` says whether corners have a place in an image, and a colour. */
   constructor(readonly skinned: boolean) {}
 
-  /** Take in all bodies. */
-  fill(footage: Footage): void {
-    const merged = mergeBodies(footage, this.skinned);
-    this.hasGlass = merged.glass.length > 0;
-    for (const [geometry, indices] of [[this.solid, merged.solid], [this.glass, merged.glass]] as const) {
+  /** Take in all bodies; what is smaller than a cell [m] may be left out where it is coarse. */
+  fill(footage: Footage, cell: number): void {
+    const merged = mergeBodies(footage, this.skinned, cell);
+    this.hasGlass = merged.fine.glass.length > 0;
+    for (const part of ["solid", "glass"] as const) {
+      const geometry = this[part];
       // What the driver has of the bodies before is let go.
       geometry.dispose();
       for (const [name, attribute] of Object.entries(merged.attributes)) geometry.setAttribute(name, attribute);
-      geometry.setIndex(new BufferAttribute(new Uint32Array(indices), 1));
+      for (const detail of ["fine", "coarse"] as const)
+        this.indices[detail][part] = new BufferAttribute(Uint32Array.from(merged[detail][part]), 1);
     }
+    this.choose(this.isCoarse);
+  }
+
+  /** Draw fewer triangles, or all. */
+  choose(isCoarse: boolean): void {
+    this.isCoarse = isCoarse;
+    for (const part of ["solid", "glass"] as const) this[part].setIndex(this.indices[isCoarse ? "coarse" : "fine"][part] ?? null);
   }
 }
 
@@ -39,18 +51,24 @@ export function isSkinned({ meshes }: Footage): boolean {
 interface Merged {
   attributes: Record<string, BufferAttribute>;
   /** Corners of triangles, three each. */
+  fine: Triangles;
+  coarse: Triangles;
+}
+
+interface Triangles {
   solid: number[];
   glass: number[];
 }
 
 /** All corners of all bodies. */
-function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean): Merged {
+function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, cell: number): Merged {
   const count = bodies.reduce((sum, body) => sum + meshes[body.mesh]!.slots.length, 0);
   const positions = new Float32Array(3 * count);
   const normals = new Int16Array(4 * count);
   const ids = new Uint32Array(2 * count);
-  const solid: number[] = [];
-  const glass: number[] = [];
+  const fine: Triangles = { solid: [], glass: [] };
+  const coarse: Triangles = { solid: [], glass: [] };
+  const coarseMeshes = new Map<number, Int32Array>();
   const places = skinned ? new Float32Array(2 * count) : null;
   const colours = skinned ? new Uint8Array(4 * count).fill(255) : null;
   let first = 0;
@@ -65,11 +83,13 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean): 
       ids[2 * at] = row;
       ids[2 * at + 1] = body.materials[slot] ?? 0;
     });
-    for (let i = 0; i < mesh.triangles.length; i += 3) {
-      const material = materials[ids[2 * (first + mesh.triangles[i]!) + 1]!]!;
-      const into = material.clear > 0 || material.blended ? glass : solid;
-      for (let corner = 0; corner < 3; corner++) into.push(first + mesh.triangles[i + corner]!);
-    }
+    if (!coarseMeshes.has(body.mesh)) coarseMeshes.set(body.mesh, coarser(mesh, cell));
+    for (const [triangles, all] of [[mesh.triangles, fine], [coarseMeshes.get(body.mesh)!, coarse]] as const)
+      for (let i = 0; i < triangles.length; i += 3) {
+        const material = materials[ids[2 * (first + triangles[i]!) + 1]!]!;
+        const into = material.clear > 0 || material.blended ? all.glass : all.solid;
+        for (let corner = 0; corner < 3; corner++) into.push(first + triangles[i + corner]!);
+      }
     first += mesh.slots.length;
   });
 
@@ -82,7 +102,7 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean): 
     attributes["place"] = new BufferAttribute(places, 2);
     attributes["cornerColour"] = new BufferAttribute(colours, 4, true);
   }
-  return { attributes, solid, glass };
+  return { attributes, fine, coarse };
 }
 
 /** A texture of single-precision numbers, four to a texel. */

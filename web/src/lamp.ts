@@ -9,8 +9,6 @@ import type { Uniforms } from "./uniforms";
 
 /** Towards the lamp, over the right shoulder of the first view (right, up, back). */
 const TOWARDS = [0.7, 1.15, 0.65] as const;
-/** Texels of a shadow map along a side. */
-const TEXELS = 2048;
 /** Half the width of what the lamp sees, and how far to each side, over the camera's distance. */
 const REACH = 0.95;
 const DEPTH = 5;
@@ -19,6 +17,8 @@ export class Lamp {
   /** Unit vector towards it. */
   readonly towards: Vector3;
   private readonly camera = new OrthographicCamera();
+  /** Of a shadow map along a side. */
+  private texels = 1;
   private readonly maps: { target: WebGLRenderTarget; scene: Scene }[] = [];
 
   constructor(geometries: Geometries, right: Vector3, uniforms: Uniforms) {
@@ -34,7 +34,7 @@ export class Lamp {
       side: DoubleSide,
     });
     for (const geometry of [geometries.solid, geometries.glass]) {
-      const target = new WebGLRenderTarget(TEXELS, TEXELS, { depthTexture: depthTexture(TEXELS, TEXELS) });
+      const target = new WebGLRenderTarget(1, 1, { depthTexture: depthTexture(1, 1) });
       const scene = new Scene();
       const mesh = new Mesh(geometry, material);
       mesh.frustumCulled = false;
@@ -43,6 +43,13 @@ export class Lamp {
     }
     uniforms.lampDepth.value = this.maps[0]!.target.depthTexture;
     uniforms.glassDepth.value = this.maps.at(-1)!.target.depthTexture;
+  }
+
+  /** Texels of the shadow maps along a side. */
+  resize(texels: number): void {
+    if (texels === this.texels) return;
+    this.texels = texels;
+    for (const { target } of this.maps) target.setSize(texels, texels);
   }
 
   /** Look at what the camera looks at, from its distance [m], and draw what casts shadows. */
@@ -55,7 +62,7 @@ export class Lamp {
     this.camera.updateMatrixWorld();
     this.camera.updateProjectionMatrix();
     uniforms.lampMatrix.value.copy(this.onTexels(new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse)));
-    uniforms.lampReach.value.set(reach, 2 * depth, (2 * reach) / TEXELS);
+    uniforms.lampReach.value.set(reach, 2 * depth, (2 * reach) / this.texels);
     for (const { target: map, scene } of uniforms.hasGlass.value ? this.maps : this.maps.slice(0, 1)) {
       renderer.setRenderTarget(map);
       renderer.clear();
@@ -69,8 +76,8 @@ export class Lamp {
 
   /** The matrix, moved by less than a texel, so that shadows do not crawl when the camera moves. */
   private onTexels(matrix: Matrix4): Matrix4 {
-    const origin = new Vector3().applyMatrix4(matrix).multiplyScalar(TEXELS / 2);
-    const rest = [Math.round(origin.x) - origin.x, Math.round(origin.y) - origin.y].map((part) => (part * 2) / TEXELS) as [number, number];
+    const origin = new Vector3().applyMatrix4(matrix).multiplyScalar(this.texels / 2);
+    const rest = [Math.round(origin.x) - origin.x, Math.round(origin.y) - origin.y].map((part) => (part * 2) / this.texels) as [number, number];
     return matrix.premultiply(new Matrix4().makeTranslation(...rest, 0));
   }
 }

@@ -1,9 +1,15 @@
-// The page: reads the recording inside it and plays it.
+// The page: reads the recording inside it, or the one that its server streams, and plays it.
+import { QUANTITIES, type Quantity } from "./colouring";
 import { loadImages } from "./images";
-import { Panel, element } from "./panel";
+import { element } from "./element";
+import { Panel } from "./panel";
 import { Player } from "./player";
-import { readRecording } from "./recording";
-import { inflate } from "./streams";
+import { Reel } from "./reel";
+import { blobs, inflate, unpacked } from "./streams";
+
+/** Where the server of the page streams chunks. */
+const CHUNKS = "chunks";
+const LOST = "The graphics driver gave up on this page: load it again.";
 
 /** Tell in a sentence what is wrong. */
 function say(sentence: string): void {
@@ -22,28 +28,78 @@ function missing(): string {
   return "";
 }
 
-async function main(): Promise<void> {
-  const fault = missing();
-  if (fault !== "") return say(fault);
-  say("Unpacking the recording …");
-  const recording = readRecording(await inflate(element("recording").textContent ?? ""));
-  element("recording").remove();
+/** What the address asks for. */
+const asked = new URLSearchParams(location.hash.slice(1));
+
+/** The frame that the address asks for; `null` to play. */
+function askedFrame(): number | null {
+  return asked.has("frame") ? Number(asked.get("frame")) || 0 : null;
+}
+
+/** Play what is there, and what the address asks for. */
+async function play(reel: Reel): Promise<[Player, Panel]> {
   const canvas = element("view") as HTMLCanvasElement;
-  const images = await loadImages(recording.images);
-  const player = new Player(recording, images, canvas, () => say("The graphics driver gave up on this page: load it again."));
-  const panel = new Panel(player);
+  const player = new Player(reel, await loadImages(reel.images), canvas, () => say(LOST));
+  const panel = new Panel(player, reel.books, canvas);
   const state = document.documentElement.dataset;
   player.onDraw = (settled) => {
     panel.show();
     state["frame"] = String(player.clock.frame);
+    state["calls"] = String(player.drawn.calls);
     state["state"] = player.clock.playing ? "playing" : settled ? "settled" : "paused";
   };
   say("");
-  const asked = new URLSearchParams(location.hash.slice(1));
   panel.changeExplode(Number(asked.get("explode")) || 0);
-  if (asked.has("frame")) player.clock.seek(Number(asked.get("frame")) || 0);
+  const colour = asked.get("colour") as Quantity;
+  if (QUANTITIES.includes(colour)) panel.colourBy(colour);
+  if (asked.has("quality")) player.spend(Number(asked.get("quality")));
+  if (asked.has("pick")) panel.pick(Number(asked.get("pick")) || 0);
+  const frame = askedFrame();
+  if (frame !== null) player.clock.seek(frame);
   else player.clock.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
   player.start();
+  return [player, panel];
+}
+
+/** Play what the server of the page streams, while it comes. */
+async function follow(): Promise<void> {
+  const reel = new Reel();
+  let shown: [Player, Panel] | null = null;
+  const response = await fetch(CHUNKS);
+  if (!response.ok || response.body === null) throw new Error(`its server answers ${response.status}`);
+  for await (const blob of blobs(response.body)) {
+    const [images, frames] = [reel.images.length, reel.frames];
+    const hasNew = reel.append(await unpacked(blob));
+    if (shown === null) {
+      shown = await play(reel);
+      continue;
+    }
+    const [player, panel] = shown;
+    if (reel.images.length > images) player.restage(await loadImages(reel.images));
+    else if (hasNew) player.takeIn();
+    panel.takeIn();
+    // What was asked for comes only now.
+    const frame = askedFrame();
+    if (frame !== null && frame > frames && player.clock.time === frames) player.clock.seek(frame);
+    document.documentElement.dataset["frames"] = String(reel.frames);
+  }
+  // The run was stopped before its end.
+  if (reel.grows && shown !== null) {
+    reel.grows = false;
+    shown[1].takeIn();
+  }
+}
+
+async function main(): Promise<void> {
+  const fault = missing();
+  if (fault !== "") return say(fault);
+  say("Unpacking the recording …");
+  const data = element("recording").textContent?.trim() ?? "";
+  element("recording").remove();
+  if (data === "") return follow();
+  const reel = new Reel();
+  reel.append(await inflate(data));
+  await play(reel);
 }
 
 main().catch((error: unknown) => {

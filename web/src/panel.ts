@@ -1,54 +1,59 @@
 // Caption, time line, buttons and keys.
-import type { Player } from "./player";
-import { breaks, countAlive } from "./recording";
+import { Announcer } from "./announcer";
+import type { Books } from "./books";
+import { Colouring, QUANTITIES, type Quantity } from "./colouring";
+import { element } from "./element";
+import { EnergyGraph } from "./energy_graph";
+import { icon } from "./icons";
+import { type Key, list, listen } from "./keys";
+import { Legend } from "./legend";
 import { drawMarks } from "./marks";
+import { Motion } from "./motion";
+import { Picking } from "./picking";
+import type { Player } from "./player";
+import { type Break, breaks, countAlive } from "./recording";
 
-/** Paths of the buttons' pictures, on a square of 24. */
-const ICONS: Record<string, string> = {
-  play: "M7 4v16l13-8z",
-  pause: "M6 4h4v16H6zM14 4h4v16h-4z",
-  first: "M5 4h3v16H5zM20 4v16L9 12z",
-  back: "M16 4v16L5 12zM17 4h3v16h-3z",
-  forth: "M8 4v16l11-8zM4 4h3v16H4z",
-  break: "M13 2 5 13h5l-2 9 9-12h-5z",
-  reset: "M12 3 2 11h3v9h5v-6h4v6h5v-9h3z",
-  full: "M4 4h6v2H6v4H4zM14 4h6v6h-2V6h-4zM4 14h2v4h4v2H4zM18 14h2v6h-6v-2h4z",
-  help: "M12 2a10 10 0 1 0 0 20 10 10 0 0 0 0-20zm-1 14h2v2h-2zm4.1-5.6L14 11.500c-.7.7-1 1.300-1 2.500h-2v-.5c0-1.100.4-2.100 1.100-2.800l1.300-1.300A2 2 0 1 0 10 8H8a4 4 0 1 1 7.100 2.400z",
-};
+export { element };
+
+/** A window that is lower has no room for a graph at first [CSS px]. */
+const ROOM_FOR_GRAPH = 560;
 
 export class Panel {
   private readonly speeds: number[];
-  private readonly breaks;
+  private breaks: Break[] = [];
+  private readonly colouring: Colouring;
+  private readonly picking: Picking;
+  private readonly graph: EnergyGraph;
+  private readonly legend = new Legend(element("legend"));
+  private readonly announcer = new Announcer(element("spoken"));
+  private wantsGraph = innerHeight >= ROOM_FOR_GRAPH;
 
-  constructor(private readonly player: Player) {
-    const { footage: recording, clock } = player;
-    this.breaks = breaks(recording);
-    element("shot").textContent = recording.shot || "Recording";
+  constructor(
+    private readonly player: Player,
+    private readonly books: Books,
+    canvas: HTMLCanvasElement,
+  ) {
+    const { footage, clock } = player;
+    const motion = new Motion(footage, () => books.gravity);
+    this.colouring = new Colouring(footage, motion);
+    player.painter = this.colouring;
+    this.picking = new Picking(player, canvas, motion, books.strikes);
+    this.graph = new EnergyGraph(books, element("graph") as HTMLCanvasElement, element("graph-legend"), element("graph-words"));
+    element("shot").textContent = footage.shot || "Recording";
     const timeline = input("timeline");
-    timeline.max = String(recording.frames);
     timeline.addEventListener("input", () => clock.seek(Number(timeline.value)));
     const explode = input("explode");
     explode.addEventListener("input", () => (player.explode = Number(explode.value)));
-    explode.disabled = recording.bodies.every((body) => body.pull.every((part) => part === 0));
-    if (explode.disabled) explode.title = "Nothing has broken";
-    const speed = element("speed") as HTMLSelectElement;
+    const speed = select("speed");
     this.speeds = Array.from(speed.options, (option) => Number(option.value));
     speed.addEventListener("change", () => (clock.speed = Number(speed.value)));
+    const colour = select("colour");
+    colour.replaceChildren(...QUANTITIES.map((quantity) => new Option(NAMES[quantity], quantity)));
+    colour.addEventListener("change", () => this.colourBy(colour.value as Quantity));
+    this.listen();
 
-    for (const name of Object.keys(ICONS)) if (name !== "pause") icon(name, name);
-    this.on("play", () => clock.toggle());
-    this.on("first", () => clock.seek(0));
-    this.on("back", () => clock.step(-1));
-    this.on("forth", () => clock.step(1));
-    this.on("break", () => this.nextBreak());
-    this.on("reset", () => player.resetView());
-    this.on("full", toggleFullScreen);
-    this.on("help", toggleHelp);
-    (element("break") as HTMLButtonElement).disabled = this.breaks.length === 0;
-    addEventListener("keydown", (event) => this.key(event));
-    const marks = element("marks") as HTMLCanvasElement;
-    new ResizeObserver(() => drawMarks(marks, this.breaks, recording.frames)).observe(marks);
     for (const id of ["caption", "controls"]) element(id).hidden = false;
+    this.takeIn();
     // Help comes over the picture; all else leaves it free.
     const [controls, keys] = [element("controls"), element("keys")];
     const free = (): void => {
@@ -59,69 +64,46 @@ export class Panel {
     free();
   }
 
+  /** There are more frames, perhaps more breaks. */
+  takeIn(): void {
+    const { footage } = this.player;
+    this.breaks = breaks(footage);
+    input("timeline").max = String(footage.frames);
+    const explode = input("explode");
+    explode.disabled = footage.bodies.every((body) => body.pull.every((part) => part === 0));
+    explode.title = explode.disabled ? "Nothing has broken" : "";
+    (element("break") as HTMLButtonElement).disabled = this.breaks.length === 0;
+    this.showGraph();
+    element("live").hidden = !footage.grows;
+    this.drawMarks();
+    this.tell();
+  }
+
   /** Say what is drawn. */
   show(): void {
-    const { clock, footage: recording } = this.player;
-    const alive = countAlive(recording, clock.frame);
+    const { clock, footage } = this.player;
+    const alive = countAlive(footage, clock.frame);
     const settings = [
-      ["frame", `frame ${clock.frame} of ${recording.frames}`],
-      ["time", `${(clock.time / recording.fps).toFixed(2)} s`],
+      ["frame", `frame ${clock.frame} of ${footage.frames}`],
+      ["time", `${(clock.time / footage.fps).toFixed(2)} s`],
       ["bodies", alive === 1 ? "1 body" : `${alive} bodies`],
     ] as const;
     for (const [id, text] of settings) if (element(id).textContent !== text) element(id).textContent = text;
     input("timeline").value = String(clock.time);
     input("timeline").setAttribute("aria-valuetext", `frame ${clock.frame}`);
     if (element("play").dataset["icon"] !== (clock.playing ? "pause" : "play")) {
-      icon("play", clock.playing ? "pause" : "play");
+      icon(element("play"), clock.playing ? "pause" : "play");
       element("play").setAttribute("aria-label", clock.playing ? "Pause" : "Play");
     }
+    this.picking.show();
+    this.legend.show(this.colouring);
+    if (!element("energy").hidden) this.graph.show(clock.time, footage.frames);
+    this.tell();
   }
 
-  private on(id: string, action: () => void): void {
-    element(id).addEventListener("click", action);
-  }
-
-  private nextBreak(): void {
-    const { clock } = this.player;
-    const next = this.breaks.find(({ frame }) => frame > clock.time) ?? this.breaks[0];
-    if (next !== undefined) clock.seek(next.frame);
-  }
-
-  private key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
-    // A control that has the focus keeps the keys that it knows.
-    const focused = event.target instanceof HTMLElement ? event.target : document.body;
-    if (focused.matches("select") || (focused.matches("input") && /^(Arrow|Home|End)/.test(event.key))) return;
-    if (focused.matches("button") && event.key === " ") return;
-    const action = this.keys()[event.key.length === 1 ? event.key.toLowerCase() : event.key];
-    if (action === undefined) return;
-    event.preventDefault();
-    action(event.shiftKey);
-  }
-
-  private keys(): Record<string, (shift: boolean) => void> {
-    const { clock, footage: recording } = this.player;
-    return {
-      " ": () => clock.toggle(),
-      ArrowLeft: () => clock.step(-1),
-      ArrowRight: () => clock.step(1),
-      ArrowUp: () => this.changeSpeed(1),
-      ArrowDown: () => this.changeSpeed(-1),
-      Home: () => clock.seek(0),
-      End: () => clock.seek(recording.frames),
-      b: () => this.nextBreak(),
-      e: (shift) => this.changeExplode(shift ? -0.1 : 0.1),
-      r: () => this.player.resetView(),
-      f: toggleFullScreen,
-      "?": toggleHelp,
-      h: toggleHelp,
-    };
-  }
-
-  private changeSpeed(by: number): void {
-    const speed = element("speed") as HTMLSelectElement;
-    speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), this.speeds.length - 1);
-    this.player.clock.speed = this.speeds[speed.selectedIndex]!;
+  colourBy(quantity: Quantity): void {
+    this.colouring.quantity = quantity;
+    select("colour").value = quantity;
   }
 
   changeExplode(by: number): void {
@@ -130,27 +112,147 @@ export class Panel {
     explode.value = String(Number(explode.value) + by);
     this.player.explode = Number(explode.value);
   }
+
+  /** Pick a body by its row. */
+  pick(row: number): void {
+    if (row < this.player.footage.bodies.length) this.picking.pick(row);
+  }
+
+  private tell(): void {
+    const { clock, footage } = this.player;
+    const so = this.breaks.filter(({ frame }) => frame <= clock.frame);
+    const known = this.books.strikes.filter(({ frame }) => frame <= clock.frame).length;
+    const count = known || so.length;
+    const parts = [
+      `${clock.playing ? "Playing" : "Paused"} at frame ${clock.frame} of ${footage.frames}, ${(clock.time / footage.fps).toFixed(2)} seconds`,
+      `${countAlive(footage, clock.frame)} bodies, ${count === 1 ? "1 break" : `${count} breaks`} so far`,
+    ];
+    this.announcer.tell(`${parts.join("; ")}. ${this.picking.sentence}`.trim(), clock.playing);
+  }
+
+  private drawMarks(): void {
+    drawMarks(element("marks") as HTMLCanvasElement, this.breaks, this.player.footage.frames);
+  }
+
+  private listen(): void {
+    const { clock } = this.player;
+    const actions: Record<string, () => void> = {
+      play: () => clock.toggle(),
+      first: () => clock.seek(0),
+      back: () => clock.step(-1),
+      forth: () => clock.step(1),
+      break: () => this.nextBreak(1),
+      loop: () => this.toggleLoop(),
+      "graph-toggle": () => this.toggleGraph(),
+      reset: () => this.player.resetView(),
+      full: toggleFullScreen,
+      help: toggleHelp,
+    };
+    for (const [id, action] of Object.entries(actions)) {
+      icon(element(id), id);
+      element(id).addEventListener("click", action);
+    }
+    for (const id of ["piece-before", "piece-after", "piece-focus", "piece-close"]) icon(element(id), id);
+    new ResizeObserver(() => this.drawMarks()).observe(element("marks"));
+    new ResizeObserver(() => this.show()).observe(element("graph"));
+    const keys = this.keys();
+    listen(keys);
+    list(keys, element("keys"));
+  }
+
+  private keys(): Key[] {
+    const { clock, viewpoint } = this.player;
+    const key = (keys: string, shown: string, says: string, does: Key["does"]): Key => ({
+      keys: keys.split(" ").map((name) => name || " "), shown: shown.split(" "), says, does,
+    });
+    const arrows: Record<string, () => void> = {
+      ArrowLeft: () => clock.step(-1),
+      ArrowRight: () => clock.step(1),
+      ArrowUp: () => this.changeSpeed(1),
+      ArrowDown: () => this.changeSpeed(-1),
+    };
+    const turns: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const arrow: Key["does"] = (shift, name) => (shift ? viewpoint.turn(...turns[name]!) : arrows[name]!());
+    return [
+      { keys: [" ", "k"], shown: ["space"], says: "play or pause", does: () => clock.toggle() },
+      key("ArrowLeft ArrowRight", "← →", "one frame back, forth", arrow),
+      key("ArrowUp ArrowDown", "↑ ↓", "faster, slower", arrow),
+      key("Home End", "Home End", "first, last frame", (_, name) => clock.seek(name === "Home" ? 0 : Infinity)),
+      key("b", "B Shift+B", "next break, the one before", (shift) => this.nextBreak(shift ? -1 : 1)),
+      key("l", "L", "loop", () => this.toggleLoop()),
+      key("p", "P Shift+P", "pick the next body, the one before", (shift) => this.picking.next(shift ? -1 : 1)),
+      key("o", "O Shift+O", "pick what it broke off from, a piece of it", (shift) => this.picking.family(shift)),
+      key("f", "F", "look at the picked body", (shift) => (shift ? toggleFullScreen() : this.player.focus())),
+      key("Escape", "Esc", "pick nothing, close help", () => this.escape()),
+      key("c", "C Shift+C", "next colours, those before", (shift) => this.changeColour(shift ? -1 : 1)),
+      key("e", "E Shift+E", "pull pieces apart, together", (shift) => this.changeExplode(shift ? -0.1 : 0.1)),
+      key("g", "G", "energy", () => this.toggleGraph()),
+      { keys: [], shown: ["Shift", "← → ↑ ↓"], says: "turn the view", does: () => {} },
+      key("+ = -", "+ −", "nearer, further away", (_, name) => viewpoint.zoom(name !== "-")),
+      key("w a s d", "W A S D", "move the view", (_, name) => viewpoint.move(...MOVES[name]!)),
+      key("r", "R", "first view", () => this.player.resetView()),
+      { keys: [], shown: ["Shift+F"], says: "full screen", does: () => {} },
+      key("? h", "?", "these keys", toggleHelp),
+    ];
+  }
+
+  private escape(): void {
+    if (!element("keys").hidden) toggleHelp();
+    else this.picking.pick(-1);
+  }
+
+  private nextBreak(direction: number): void {
+    const { clock } = this.player;
+    const next =
+      direction > 0
+        ? (this.breaks.find(({ frame }) => frame > clock.time) ?? this.breaks[0])
+        : (this.breaks.filter(({ frame }) => frame < clock.time).at(-1) ?? this.breaks.at(-1));
+    if (next !== undefined) clock.seek(next.frame);
+  }
+
+  private toggleLoop(): void {
+    this.player.clock.loop = !this.player.clock.loop;
+    element("loop").setAttribute("aria-pressed", String(this.player.clock.loop));
+  }
+
+  private toggleGraph(): void {
+    this.wantsGraph = !this.wantsGraph;
+    this.showGraph();
+    this.show();
+  }
+
+  private showGraph(): void {
+    element("energy").hidden = this.graph.isEmpty || !this.wantsGraph;
+    (element("graph-toggle") as HTMLButtonElement).disabled = this.graph.isEmpty;
+    element("graph-toggle").setAttribute("aria-expanded", String(!element("energy").hidden));
+  }
+
+  private changeSpeed(by: number): void {
+    const speed = select("speed");
+    speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), this.speeds.length - 1);
+    this.player.clock.speed = this.speeds[speed.selectedIndex]!;
+  }
+
+  private changeColour(by: number): void {
+    const index = QUANTITIES.indexOf(this.colouring.quantity) + by + QUANTITIES.length;
+    this.colourBy(QUANTITIES[index % QUANTITIES.length]!);
+  }
 }
 
-export function element(id: string): HTMLElement {
-  const found = document.getElementById(id);
-  if (found === null) throw new Error(`the page has no ${id}`);
-  return found;
-}
+/** Colours as people choose them. */
+const NAMES: Record<Quantity, string> = {
+  material: "material", piece: "piece", generation: "generation", speed: "speed", age: "age", force: "contact force",
+};
+
+/** To the right and up. */
+const MOVES: Record<string, [number, number]> = { w: [0, 1], a: [-1, 0], s: [0, -1], d: [1, 0] };
 
 function input(id: string): HTMLInputElement {
   return element(id) as HTMLInputElement;
 }
 
-function icon(id: string, name: string): void {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  svg.setAttribute("viewBox", "0 0 24 24");
-  svg.setAttribute("aria-hidden", "true");
-  path.setAttribute("d", ICONS[name]!);
-  svg.append(path);
-  element(id).replaceChildren(svg);
-  element(id).dataset["icon"] = name;
+function select(id: string): HTMLSelectElement {
+  return element(id) as HTMLSelectElement;
 }
 
 function toggleFullScreen(): void {

@@ -1,9 +1,13 @@
 // Plays a recording on a canvas: time, camera, and when to draw.
-import { type DataArrayTexture, MOUSE, PerspectiveCamera, Vector3, WebGLRenderer } from "three";
+import { type DataArrayTexture, MOUSE, PerspectiveCamera, Raycaster, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Clock } from "./clock";
+import { numbers } from "./geometry";
+import { Picker } from "./picker";
+import { TEXELS } from "./poses";
 import type { Footage } from "./recording";
 import { type Quality, Stage } from "./stage";
+import { Viewpoint } from "./viewpoint";
 
 /** Width over height that the first view was made for: a narrower window sees as far to the sides. */
 const ASPECT = 16 / 9;
@@ -12,21 +16,35 @@ const PICTURES = 32;
 const PATIENCE = 6000;
 /** From best to cheapest; a step down is taken when a picture takes longer than that [ms]. */
 const LEVELS: readonly (Quality & { pixelRatio: number })[] = [
-  { pixelRatio: 2, taps: 24, ambient: true },
-  { pixelRatio: 1, taps: 12, ambient: true },
-  { pixelRatio: 0.75, taps: 6, ambient: false },
+  { pixelRatio: 2, taps: 24, ambient: true, samples: 4, shadow: 2048, isCoarse: false },
+  { pixelRatio: 1, taps: 12, ambient: true, samples: 4, shadow: 2048, isCoarse: false },
+  { pixelRatio: 0.75, taps: 6, ambient: false, samples: 4, shadow: 2048, isCoarse: false },
+  { pixelRatio: 0.5, taps: 4, ambient: false, samples: 0, shadow: 1024, isCoarse: true },
+  { pixelRatio: 0.5, taps: 1, ambient: false, samples: 0, shadow: 512, isCoarse: true },
 ];
 const TOO_LONG = 45;
 const BEST = 0;
+/** What rests that long is drawn at this level at least [ms]. */
+const REST = 300;
+const SHARP = 1;
 
 /** No more is drawn here: the driver took the context away. */
 export type OnLost = () => void;
+
+/** Writes colours of bodies at a time, with a body picked or -1; true if they changed. See `Colouring`. */
+export interface Painter {
+  paint(looks: Float32Array, time: number, picked: number): boolean;
+}
 
 export class Player {
   clock!: Clock;
   footage!: Footage;
   /** By how much pieces are pulled apart. */
   explode = 0;
+  /** The row of the body that is picked; -1 for none. */
+  picked = -1;
+  /** Who colours the bodies, if not their materials. */
+  painter: Painter | null = null;
   /** Called after every picture. */
   onDraw: (settled: boolean) => void = () => {};
   /** Called before every picture that may be drawn. */
@@ -34,9 +52,12 @@ export class Player {
   private readonly renderer: WebGLRenderer;
   readonly camera: PerspectiveCamera;
   private readonly orbit: OrbitControls;
+  readonly viewpoint: Viewpoint;
+  private picker!: Picker;
   private stage: Stage | null = null;
   private level = BEST;
   private durations: number[] = [];
+  private isResting = false;
   private picture = 0;
   private still = 0;
   private last = performance.now();
@@ -46,18 +67,20 @@ export class Player {
 
   constructor(
     footage: Footage,
-    private readonly images: DataArrayTexture,
+    private images: DataArrayTexture,
     private readonly canvas: HTMLCanvasElement,
     onLost: OnLost,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
+    this.renderer.info.autoReset = false;
     canvas.addEventListener("webglcontextlost", onLost);
 
     this.camera = new PerspectiveCamera(footage.camera.fieldOfView);
     this.orbit = new OrbitControls(this.camera, canvas);
     this.orbit.enableDamping = true;
     this.orbit.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
+    this.viewpoint = new Viewpoint(this.camera, this.orbit);
     this.show(footage);
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -66,6 +89,8 @@ export class Player {
   show(footage: Footage): void {
     this.footage = footage;
     this.clock = new Clock(footage);
+    this.picker = new Picker(footage);
+    this.picked = -1;
     // The stage's origin is what the first view looks at.
     const { eye, target } = footage.camera;
     this.camera.position.fromArray(eye.map((part, axis) => part - target[axis]!));
@@ -81,10 +106,62 @@ export class Player {
     this.resize();
   }
 
+  /** Begin with less than the best pictures, which is level 0. */
+  spend(level: number): void {
+    this.level = Math.min(Math.max(Math.round(level) || 0, BEST), LEVELS.length - 1);
+    this.resize();
+  }
+
   /** Draw the bodies too that the footage did not have before. */
   takeIn(): void {
     this.stage?.takeIn();
     this.state = "";
+  }
+
+  /** The same, where bodies have images that the footage did not have before. */
+  restage(images: DataArrayTexture): void {
+    const { position, quaternion } = this.camera;
+    const [place, turn] = [position.clone(), quaternion.clone()];
+    this.images = images;
+    this.stage?.dispose();
+    // The lamp stands where the first view wants it.
+    const { eye, target } = this.footage.camera;
+    position.fromArray(eye.map((part, axis) => part - target[axis]!));
+    this.camera.lookAt(new Vector3());
+    this.camera.updateMatrixWorld();
+    this.stage = new Stage(this.renderer, this.footage, images, this.camera);
+    position.copy(place);
+    quaternion.copy(turn);
+    this.resize();
+  }
+
+  /** The row of the body at a place of the canvas [CSS px]; -1 for none. */
+  bodyAt(x: number, y: number): number {
+    if (this.stage === null) return -1;
+    const { clientWidth, clientHeight } = this.canvas;
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight), this.camera);
+    const hit = this.picker.pick(this.poses, ray.ray.origin.toArray(), ray.ray.direction.toArray());
+    return hit?.row ?? -1;
+  }
+
+  /** Look at the body that is picked, or at all as at first. */
+  focus(): void {
+    const at = 4 * TEXELS * this.picked;
+    const radius = this.picker.radius(this.picked);
+    if (this.poses[at + 3] !== 1 || radius === 0) this.resetView();
+    else this.viewpoint.focus(new Vector3().fromArray(this.poses, at), radius);
+  }
+
+  /** Draw calls and triangles of the last picture, of all its passes. */
+  get drawn(): { calls: number; triangles: number } {
+    const { calls, triangles } = this.renderer.info.render;
+    return { calls, triangles };
+  }
+
+  /** What is drawn: places and quaternions as `Footage.fill` fills them. */
+  get poses(): Float32Array {
+    return this.stage === null ? new Float32Array(0) : numbers(this.stage.uniforms.poses.value);
   }
 
   /** Go on for ever. */
@@ -115,12 +192,20 @@ export class Player {
     const duration = now - this.last;
     this.last = now;
     this.orbit.update();
-    const state = [this.clock.time, this.explode, ...this.camera.position.toArray(), ...this.orbit.target.toArray(), this.level].join();
-    if (state !== this.state) {
+    const state = [this.clock.time, this.explode, this.picked, ...this.camera.position.toArray(), ...this.orbit.target.toArray(), this.level].join();
+    const looks = this.stage?.uniforms.pieces.value;
+    const isPainted = looks !== undefined && this.painter?.paint(numbers(looks), this.clock.time, this.picked) === true;
+    if (isPainted) looks.needsUpdate = true;
+    if (state !== this.state || isPainted) {
       this.adapt(duration);
+      this.rest(false);
       this.state = state;
       this.picture = 0;
       this.still = now;
+    } else if (!this.isResting && this.level > SHARP && now - this.still > REST) {
+      this.rest(true);
+      this.state = state;
+      this.picture = 0;
     } else if (this.picture >= PICTURES || (now - this.still > PATIENCE && this.picture >= 4)) {
       this.durations = [];
       return;
@@ -133,10 +218,23 @@ export class Player {
     this.camera.near = 0.01 * distance;
     this.camera.far = 100 * distance;
     this.camera.updateProjectionMatrix();
+    this.renderer.info.reset();
     this.stage?.pose(this.clock.time, this.explode);
-    this.stage?.draw(this.camera, this.orbit.target, LEVELS[this.level]!, this.picture);
+    this.stage?.draw(this.camera, this.orbit.target, this.quality, this.picture);
     this.picture++;
-    this.onDraw(this.picture >= 4);
+    this.onDraw(this.picture >= 4 && (this.isResting || this.level <= SHARP));
+  }
+
+  private get quality(): (typeof LEVELS)[number] {
+    return LEVELS[this.isResting ? Math.min(this.level, SHARP) : this.level]!;
+  }
+
+  /** Nothing moves: there is time for a sharper picture. */
+  private rest(isResting: boolean): void {
+    if (isResting === this.isResting) return;
+    this.isResting = isResting;
+    this.durations = [];
+    if (this.level > SHARP) this.resize();
   }
 
   /** Spend less on a picture where the last ones took too long. */
@@ -153,7 +251,7 @@ export class Player {
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
     const [width, height] = [Math.max(clientWidth, 1), Math.max(clientHeight, 1)];
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, LEVELS[this.level]!.pixelRatio));
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, this.quality.pixelRatio));
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     const free = Math.max(height - this.covered, height / 4);

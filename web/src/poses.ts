@@ -1,11 +1,19 @@
 // Where everything is between two frames, as the shaders read it.
-import type { Body, Recording } from "./recording";
+import type { Path } from "./recording";
+
+/** Paths of bodies and the poses on them: x, y, z as multiples of a step [m], and quaternions up to a factor. */
+export interface Posed {
+  readonly bodies: readonly Path[];
+  readonly positions: Int32Array[];
+  readonly orientations: Int32Array[];
+  readonly positionStep: number;
+}
 
 /** Texels of a body in the texture of poses: place and whether it is shown, then its quaternion. */
 export const TEXELS = 2;
 
 /** Fill (place, shown) and quaternions, eight numbers a body, for a time in frames; places are relative to an origin [m]. */
-export function fillPoses(recording: Recording, time: number, explode: number, origin: readonly number[], into: Float32Array): void {
+export function fillPoses(recording: Posed, time: number, explode: number, origin: readonly number[], into: Float32Array): void {
   const frame = Math.floor(time);
   const part = time - frame;
   recording.bodies.forEach((body, row) => {
@@ -17,15 +25,15 @@ export function fillPoses(recording: Recording, time: number, explode: number, o
 }
 
 /** Fragments part from where they were as soon as the frame before their birth is over. */
-function isShown(body: Body, frame: number, part: number): boolean {
+function isShown(body: Path, frame: number, part: number): boolean {
   if (part > 0 && body.lead && frame === body.birth - 1) return true;
   if (part > 0 && body.yields && frame === body.end - 1) return false;
   return body.birth <= frame && frame < body.end;
 }
 
 function interpolate(
-  { bodies, positions, orientations, positionStep }: Recording,
-  body: Body,
+  { bodies, positions, orientations, positionStep }: Posed,
+  body: Path,
   frame: number,
   part: number,
   explode: number,

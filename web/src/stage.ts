@@ -19,11 +19,20 @@ import { type Uniform, type Uniforms, makeUniforms } from "./uniforms";
 /** Half the width of what is drawn of a half-space, over the camera's distance: it ends in the haze. */
 const FLOOR_REACH = 40;
 
+/** Details that are left out where it is coarse, over half the height of the first view: two pixels of a picture 360 high. */
+const COARSE = 4 / 360;
+
 /** How much is spent on a picture. */
 export interface Quality {
   /** Samples of shadows and of ambient light. */
   taps: number;
   ambient: boolean;
+  /** Samples of each pixel's outlines. */
+  samples: number;
+  /** Texels of the shadow map along a side. */
+  shadow: number;
+  /** Whether details are left out, unless they are looked at from near. */
+  isCoarse: boolean;
 }
 
 export class Stage {
@@ -32,6 +41,8 @@ export class Stage {
   raised = 0;
   private readonly geometries: Geometries;
   private readonly glass: Mesh[] = [];
+  /** Of the first view [m]. */
+  private distance0 = 1;
   private readonly scene = new Scene();
   private readonly lamp: Lamp;
   private readonly occlusion: Occlusion;
@@ -75,7 +86,9 @@ export class Stage {
   /** Draw all bodies of the footage from now on, those too that are new. */
   takeIn(): void {
     const { footage, uniforms } = this;
-    this.geometries.fill(footage);
+    const { eye, target, fieldOfView } = footage.camera;
+    this.distance0 = Math.hypot(...eye.map((part, axis) => part - target[axis]!));
+    this.geometries.fill(footage, COARSE * this.distance0 * Math.tan((fieldOfView * Math.PI) / 360));
     uniforms.hasGlass.value = this.geometries.hasGlass;
     for (const mesh of this.glass) mesh.visible = this.geometries.hasGlass;
     const tables = [
@@ -138,6 +151,12 @@ export class Stage {
     uniforms.spacing.value = 10 ** Math.max(Math.ceil(Math.log10(distance / 30)), -6);
     uniforms.gridOrigin.value.fromArray(this.footage.camera.target.map((part) => part % uniforms.spacing.value));
 
+    if (this.target.samples !== quality.samples) {
+      this.target.dispose();
+      this.target.samples = quality.samples;
+    }
+    this.lamp.resize(quality.shadow);
+    this.geometries.choose(quality.isCoarse && distance > 0.6 * this.distance0);
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
     if (quality.ambient) this.occlusion.draw(camera);

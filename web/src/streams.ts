@@ -62,6 +62,31 @@ export async function inflate(base64: string): Promise<Uint8Array> {
   const text = atob(base64.trim());
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  return unpacked(bytes);
+}
+
+/** Inflated bytes (zlib). */
+export async function unpacked(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
   const stream = new Response(bytes).body!.pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** Blobs of a stream, each after its length as four bytes, the lowest first; the last may be torn, and is left out. */
+export async function* blobs(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array<ArrayBuffer>> {
+  const reader = stream.getReader();
+  let rest = new Uint8Array(0);
+  for (;;) {
+    const { done, value } = await reader.read().catch(() => ({ done: true, value: undefined }));
+    if (done || value === undefined) return;
+    const joined = new Uint8Array(rest.length + value.length);
+    joined.set(rest);
+    joined.set(value, rest.length);
+    rest = joined;
+    while (rest.length >= 4) {
+      const length = new DataView(rest.buffer, rest.byteOffset).getUint32(0, true);
+      if (rest.length < 4 + length) break;
+      yield rest.slice(4, 4 + length);
+      rest = rest.slice(4 + length);
+    }
+  }
 }

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Clock, TEXELS, breaks, countAlive, decode, fillPoses, unfold } from "../dist/model.mjs";
+import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, decode, fillPoses, quantity, unfold } from "../dist/model.mjs";
 
 /** Fold and split whole numbers as `python/frangible/io/page_streams.py` does. */
 function encode(columns, order) {
@@ -121,4 +121,99 @@ test("a clock waits at the end of what grows", () => {
   film.frames = 60;
   clock.advance(0.1);
   assert.equal(clock.time, 5);
+});
+
+test("a clock that loops begins anew", () => {
+  const clock = new Clock({ frames: 30, fps: 30, grows: false });
+  clock.loop = true;
+  clock.toggle();
+  clock.advance(2);
+  assert.deepEqual([clock.time, clock.playing], [0, true]);
+});
+
+/** A body of 2 kg that falls by g = -10 for three steps of 0.1 s, and is held in the fourth. */
+const falling = {
+  fps: 10,
+  frames: 4,
+  bodies: [{ ...body({ end: 5 }), mass: 2, mesh: 0, name: "ball", id: 7, tint: [1, 1, 1] }, { ...body({ end: 5 }), mass: Infinity, mesh: 0, tint: [1, 1, 1] }],
+  meshes: [],
+  camera: { target: [0, 0, 0] },
+  fill: (time, _, __, into) => {
+    const heights = [10, 9.9, 9.7, 9.4, 9.1];
+    const frame = Math.min(Math.floor(time), 3);
+    into.set([0, heights[frame] + (time - frame) * (heights[frame + 1] - heights[frame]), 0, 1, 0, 0, 0, 1, 5, 0, 0, 1, 0, 0, 0, 1]);
+  },
+};
+
+test("speeds and forces are told from where bodies are", () => {
+  const motion = new Motion(falling, () => -10);
+  const near = (found, expected) => assert.ok(Math.abs(found - expected) < 0.02, `${found}, not ${expected}`);
+  [1, 2, 3, 3].forEach((speed, index) => near(motion.speed(0, index + 1), speed));
+  // In free flight nothing holds it; then it no longer gets faster, which takes its weight.
+  near(motion.force(0, 2), 0);
+  near(motion.force(0, 4), 20);
+  assert.ok(Number.isNaN(motion.force(0, 1)) && Number.isNaN(motion.force(1, 2)));
+  assert.ok(Number.isNaN(new Motion(falling, () => null).force(0, 2)));
+  assert.deepEqual([0, 0.5, 1, 1.5, 4].map((time) => motion.stepAt(time)), [1, 1, 1, 2, 4]);
+});
+
+test("colours follow a quantity, and glow where something is picked", () => {
+  const colouring = new Colouring(falling, new Motion(falling, () => -10));
+  const looks = new Float32Array(16);
+  assert.equal(colouring.paint(looks, 0, -1), true);
+  assert.deepEqual([...looks.subarray(0, 4)], [1, 1, 1, 0]);
+  assert.equal(colouring.paint(looks, 1, -1), false);
+  colouring.quantity = "speed";
+  assert.equal(colouring.paint(looks, 4, 0), true);
+  // The fastest has the brightest colour; what is picked has both flags, what cannot move is grey.
+  assert.ok(looks[0] > 0.8 && looks[1] > 0.7 && looks[2] < 0.1);
+  assert.deepEqual([looks[3], looks[11]], [3, 1]);
+  assert.ok(Math.abs(looks[8] - looks[9]) < 0.02);
+  assert.ok(Math.abs(colouring.scale().high - 3) < 0.02);
+  assert.equal(colouring.paint(looks, 4, 0), false);
+});
+
+test("a ray meets the nearest body, turned as it is", () => {
+  // A square of 2 m across the z axis; the second one is turned so that the ray passes it.
+  const square = { positions: Float32Array.of(-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0), triangles: Int32Array.of(0, 1, 2, 0, 2, 3) };
+  const picker = new Picker({ bodies: [0, 1, 2].map(() => ({ mesh: 0 })), meshes: [square] });
+  const quarter = Math.SQRT1_2;
+  const poses = Float32Array.of(0, 0, -3, 1, 0, 0, 0, 1, 0.1, 0, 3, 1, 0, quarter, 0, quarter, 0, 0, -1, 0, 0, 0, 0, 1);
+  assert.deepEqual(picker.pick(poses, [0, 0, 10], [0, 0, -1]), { row: 0, distance: 13 });
+  poses[23 - 4] = 1;
+  assert.deepEqual(picker.pick(poses, [0, 0, 10], [0, 0, -1]), { row: 2, distance: 11 });
+  assert.equal(picker.pick(poses, [3, 0, 10], [0, 0, -1]), null);
+  assert.equal(picker.pick(poses, [0, 0, 10], [0, 0, 1]), null);
+  assert.ok(Math.abs(picker.radius(0) - Math.SQRT2) < 1e-6);
+});
+
+test("coarser triangles keep what is larger than a cell", () => {
+  const mesh = {
+    positions: Float32Array.of(0, 0, 0, 0.01, 0, 0, 1, 0, 0, 0, 1, 0),
+    normals: Float32Array.of(0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1),
+    slots: Int32Array.of(0, 0, 0, 0),
+    triangles: Int32Array.of(0, 1, 3, 1, 2, 3),
+  };
+  assert.deepEqual([...coarser(mesh, 0.1)], [0, 2, 3]);
+  assert.deepEqual([...coarser(mesh, 1e-4)], [0, 1, 3, 1, 2, 3]);
+});
+
+test("quantities are read with a unit", () => {
+  const pairs = [[0.006178, "kg", "0.006178 kg"], [23040.4, "kg", "23040 kg"], [93512, "J", "93.5 kJ"], [0, "J", "0 J"], [0.18, "N", "180 mN"], [NaN, "N", "unknown"], [Infinity, "kg", "cannot be moved"], [5.0631, "m/s", "5.06 m/s"]];
+  for (const [value, unit, text] of pairs) assert.equal(quantity(value, unit), text);
+});
+
+test("blobs are cut out of a stream, wherever it is torn", async () => {
+  const whole = [3, 0, 0, 0, 1, 2, 3, 1, 0, 0, 0, 9, 4, 0, 0, 0, 7];
+  for (const size of [1, 4, 5, 17]) {
+    const stream = new ReadableStream({
+      start(controller) {
+        for (let at = 0; at < whole.length; at += size) controller.enqueue(Uint8Array.from(whole.slice(at, at + size)));
+        controller.close();
+      },
+    });
+    const found = [];
+    for await (const blob of blobs(stream)) found.push([...blob]);
+    assert.deepEqual(found, [[1, 2, 3], [9]]);
+  }
 });

@@ -387,4 +387,9 @@ impl World {
     fn state_hash(&self) -> PyResult<String> {
         Ok(format!("{:016x}", self.inner()?.world.state_hash()))
     }
+
+    /// What a notebook shows of it.
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("frangible.notebook")?.call_method1("world_html", (slf,))?.extract()
+    }
 }

@@ -36,10 +36,12 @@ from .results import add_json, error_as_json, wants_json
 from .run import add_run
 from .scene import add_scene, add_schema
 from .verify import add_verify
+from .view import add_view_command
 
 #: In the order in which the help lists them.
 COMMANDS = (
     add_run,
+    add_view_command,
     add_scene,
     add_bench,
     add_break,

@@ -66,13 +66,14 @@ class Parser(argparse.ArgumentParser):
         return ""
 
 
-def add_scene_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose a scene, for `chosen_scene`."""
+def add_scene_options(parser: argparse.ArgumentParser, besides: str = "") -> None:
+    """Add the options that choose a scene, for `chosen_scene`; ``besides`` is what else the first
+    argument may name."""
     defaults = _frangible.shot_defaults()
     parser.add_argument(
         "shot",
         metavar="SHOT|FILE",
-        help="one of those that `frangible shots` lists, a scene file (.json, .toml, .py, or "
+        help=f"{besides}one of those that `frangible shots` lists, a scene file (.json, .toml, .py, or "
         ".usd with physics), or one mesh file",
     )
     parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")

@@ -42,28 +42,49 @@ class _Surface(NamedTuple):
     triangles: Ints
 
 
-def add_meshes(blob: Blob, bodies: list[Body]) -> Json:
-    """The header's part on materials and images; the surfaces go into the streams."""
-    of_files = {material for body in bodies if body.skin for material in body.skin.materials}
-    table = _Materials(of_files)
-    palette = Palette(by_source(bodies), table.add)
-    meshes: dict[bytes, int] = {}
-    mesh_of_body, slots, surfaces, originals = [], [], [], []
-    for body in bodies:
-        groups = palette.groups(body)
-        slots.append([material for material, _, _ in groups])
-        key = _key(body)
-        if key not in meshes:
-            meshes[key] = len(meshes)
-            originals.append(body)
-            surfaces.append(_surface(body, [faces for _, faces, _ in groups]))
-        mesh_of_body.append(meshes[key])
-    blob.add("mesh", np.array(mesh_of_body, np.int64))
-    blob.add("slots", np.array([len(of_body) for of_body in slots], np.int64))
-    blob.add(
-        "materials", np.array([material for of_body in slots for material in of_body], np.int64)
-    )
+class Appearance:
+    """Meshes, materials and images that bodies share: each is handed over once."""
 
+    def __init__(self) -> None:
+        self._table = _Materials()
+        self._meshes: dict[bytes, int] = {}
+        self._palettes: dict[int, Palette[int]] = {}
+
+    def add(self, blob: Blob, bodies: list[Body]) -> Json:
+        """The header's part on materials and images that are new with some bodies; their surfaces
+        go into the streams."""
+        materials, images = len(self._table.materials), len(self._table.images)
+        self._table.note_files(bodies)
+        self._choose_palettes(bodies)
+        mesh_of_body, slots, surfaces, originals = [], [], [], []
+        for body in bodies:
+            groups = self._palettes[body.source].groups(body)
+            slots.append([material for material, _, _ in groups])
+            key = _key(body)
+            if key not in self._meshes:
+                self._meshes[key] = len(self._meshes)
+                originals.append(body)
+                surfaces.append(_surface(body, [faces for _, faces, _ in groups]))
+            mesh_of_body.append(self._meshes[key])
+        blob.add("mesh", np.array(mesh_of_body, np.int64))
+        blob.add("slots", np.array([len(of_body) for of_body in slots], np.int64))
+        blob.add(
+            "materials", np.array([material for of_body in slots for material in of_body], np.int64)
+        )
+        _add_surfaces(blob, originals, surfaces)
+        return {
+            "materials": self._table.materials[materials:],
+            "images": self._table.images[images:],
+        }
+
+    def _choose_palettes(self, bodies: list[Body]) -> None:
+        """Sources that appear together share a palette, so that those without a look differ."""
+        families = by_source(body for body in bodies if body.source not in self._palettes)
+        palette = Palette(families, self._table.add)
+        self._palettes |= dict.fromkeys(families, palette)
+
+
+def _add_surfaces(blob: Blob, originals: list[Body], surfaces: list[_Surface]) -> None:
     boxes = [_box(body) for body in originals]
     corners = [
         rounded(body.vertices - low, max(size, 1e-30) / CORNER_STEPS)
@@ -81,17 +102,20 @@ def add_meshes(blob: Blob, bodies: list[Body]) -> Json:
     blob.add("places", stacked([surface.place for surface in surfaces], 2))
     blob.add("colours", stacked([surface.colour for surface in surfaces], 4))
     blob.add("triangles", stacked([surface.triangles for surface in surfaces], 3).reshape(-1, 1))
-    return {"materials": table.materials, "images": table.images}
 
 
 class _Materials:
     """The header's materials, and the images that they show."""
 
-    def __init__(self, of_files: set[Material]) -> None:
-        self._of_files = of_files
+    def __init__(self) -> None:
+        self._of_files: set[Material] = set()
         self.materials: list[Json] = []
         self.images: list[Json] = []
         self._image_rows: dict[Image, int] = {}
+
+    def note_files(self, bodies: list[Body]) -> None:
+        """Materials of skins are those of files."""
+        self._of_files |= {own for body in bodies if body.skin for own in body.skin.materials}
 
     def add(self, name: str, material: Material) -> int:
         look = name.rpartition("_")[0]

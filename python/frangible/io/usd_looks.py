@@ -121,6 +121,21 @@ def _materials(part: Part) -> list[str]:
     return names
 
 
+def stage_material_names(prim: Any) -> tuple[list[str], list[str]]:
+    """Of each face of a mesh, the path of its material, empty for none, and the name of the subset
+    that it is in."""
+    bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    count = len(UsdGeom.Mesh(prim).GetFaceVertexCountsAttr().Get() or ())
+    names, subsets = [str(bound.GetPath()) if bound else ""] * count, [""] * count
+    for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+        own = UsdShade.MaterialBindingAPI(subset.GetPrim()).ComputeBoundMaterial()[0]
+        for face in subset.GetIndicesAttr().Get() or ():
+            if 0 <= face < count:
+                subsets[face] = subset.GetPrim().GetName()
+                names[face] = str(own.GetPath()) if own else names[face]
+    return names, subsets
+
+
 def read_usd_materials(path: str, names: list[str]) -> list[Material]:
     """The materials at paths of a stage."""
     with open_stage(path) as stage:

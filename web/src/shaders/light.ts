@@ -1,5 +1,6 @@
 // Fragment shaders: the light of the gallery's pictures (`python/frangible/render/picture.py`), without
 // rays.
+import { TABLES } from "./place";
 
 /** Reads the lamp's shadow map; softens with the distance from what casts the shadow (Fernando 2005). */
 const LAMP = /* glsl */ `
@@ -168,18 +169,43 @@ export const SURFACE_FRAGMENT = /* glsl */ `
 ${HEAD}
 in vec3 world;
 in vec3 normalWorld;
-in vec3 grainPoint;
-flat in vec4 colour;
-flat in vec4 finish;
-flat in vec4 shine;
-flat in vec4 relief;
+in vec3 pointBody;
+flat in uvec2 bodyAndMaterial;
+uniform sampler2D pieces;
+uniform sampler2D materials;
 #ifdef SKINNED
 precision highp sampler2DArray;
 uniform sampler2DArray images;
 in vec2 imagePlace;
 in vec4 corner;
 #endif
-${LAMP}${SKY}${GRAIN}${SHADE}
+${TABLES}${LAMP}${SKY}${GRAIN}${SHADE}
+
+// What the tables say of a body and its material.
+vec4 colour, finish, shine, relief;
+bool keepsCorners;
+
+void readTables() {
+  uvec2 ids = bodyAndMaterial;
+  colour = entry(materials, 4u * ids.y);
+  finish = entry(materials, 4u * ids.y + 1u);
+  shine = entry(materials, 4u * ids.y + 2u);
+  relief = entry(materials, 4u * ids.y + 3u);
+  // A factor of the material's colour, or a colour in place of all that the material says.
+  vec4 look = entry(pieces, 2u * ids.x);
+  uint flags = uint(look.w + 0.5);
+  keepsCorners = (flags & 1u) == 0u;
+  if (keepsCorners) {
+    colour.rgb *= look.rgb;
+  } else {
+    colour = vec4(look.rgb, min(colour.a, 0.3));
+    finish = vec4(0.0, 0.0, finish.z, -1.0);
+    shine.rgb = vec3(0.0);
+    relief = vec4(0.8, -1.0, -1.0, -1.0);
+  }
+  // What is picked glows.
+  if ((flags & 2u) != 0u) shine.rgb += vec3(0.62, 0.26, 0.03);
+}
 
 /** What the mesh's file lays on the material. */
 struct Skin {
@@ -221,20 +247,22 @@ Skin skin(vec3 n) {
   vec4 image = laidOn(finish.w);
   vec4 surface = laidOn(relief.y);
   vec3 tilted = bent(n, 2.0 * laidOn(relief.z).xyz - 1.0);
-  vec4 colour = vec4(linear(image.rgb), image.a) * corner;
-  return Skin(colour, linear(laidOn(relief.w).rgb), surface.gb, relief.z >= 0.0 ? tilted : n);
+  vec4 own = keepsCorners ? corner : vec4(vec3(1.0), corner.a);
+  vec4 laid = vec4(linear(image.rgb), image.a) * own;
+  return Skin(laid, linear(laidOn(relief.w).rgb), surface.gb, relief.z >= 0.0 ? tilted : n);
 #else
   return Skin(vec4(1.0), vec3(1.0), vec2(1.0), n);
 #endif
 }
 
 vec3 grained(vec3 albedo) {
-  if (finish.y == 1.0) return albedo * wood(grainPoint);
-  if (finish.y == 2.0) return albedo * concrete(grainPoint, finish.z > 0.5);
-  return albedo;
+  if (finish.y == 0.0) return albedo;
+  vec3 point = turned(entry(pieces, 2u * bodyAndMaterial.x + 1u), pointBody);
+  return albedo * (finish.y == 1.0 ? wood(point) : concrete(point, finish.z > 0.5));
 }
 
 void main() {
+  readTables();
   vec3 n = normalize(normalWorld) * (gl_FrontFacing ? 1.0 : -1.0);
   vec3 ray = normalize(world - eye);
   Skin laid = skin(n);
@@ -265,7 +293,7 @@ void main() {
   vec3 sky = mirror.y > 0.0 ? 1.7 * backdrop(mirror) : FLOOR_COLOUR;
   vec3 sparkle = 6.0 * pow(max(dot(mirror, lamp), 0.0), 700.0) * LAMP_COLOUR;
   vec3 own = 0.5 * (1.0 - clear) * shade(albedo, metallic, roughness, world, n, n, ray);
-  radiance = vec4(own + reflectance * sky + sparkle, 1.0);
+  radiance = vec4(own + reflectance * sky + sparkle + emission, 1.0);
 #endif
 #else
   if (laid.colour.a < shine.a) discard;

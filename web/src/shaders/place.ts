@@ -3,6 +3,17 @@
 /** Columns of the textures that hold something for each body or material. */
 export const TABLE_WIDTH = 1024;
 
+/** Entries of tables, and rotations by quaternions. */
+export const TABLES = /* glsl */ `
+vec4 entry(sampler2D table, uint index) {
+  return texelFetch(table, ivec2(index % ${TABLE_WIDTH}u, index / ${TABLE_WIDTH}u), 0);
+}
+
+vec3 turned(vec4 q, vec3 v) {
+  return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
+}
+`;
+
 const PLACE = /* glsl */ `
 precision highp float;
 precision highp int;
@@ -14,14 +25,7 @@ in vec2 place;
 in vec4 cornerColour;
 #endif
 uniform sampler2D poses;
-
-vec4 entry(sampler2D table, uint index) {
-  return texelFetch(table, ivec2(index % ${TABLE_WIDTH}u, index / ${TABLE_WIDTH}u), 0);
-}
-
-vec3 turned(vec4 q, vec3 v) {
-  return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
-}
+${TABLES}
 
 /** Where the corner is, relative to the stage's origin; outside of everything for a body that is not shown. */
 vec4 placed(mat4 matrix, out vec3 world) {
@@ -73,19 +77,14 @@ void main() {
 }
 `;
 
-/** For what the eye sees. */
+/** For what the eye sees: what a body looks like, fragments read themselves, as they are fewer where it is slow. */
 export const SURFACE_VERTEX = /* glsl */ `
 ${PLACE}
-uniform sampler2D pieces;
-uniform sampler2D materials;
 uniform mat4 viewProjection;
 out vec3 world;
 out vec3 normalWorld;
-out vec3 grainPoint;
-flat out vec4 colour;
-flat out vec4 finish;
-flat out vec4 shine;
-flat out vec4 relief;
+out vec3 pointBody;
+flat out uvec2 bodyAndMaterial;
 #ifdef SKINNED
 out vec2 imagePlace;
 out vec4 corner;
@@ -94,12 +93,8 @@ out vec4 corner;
 void main() {
   gl_Position = placed(viewProjection, world);
   normalWorld = turned(entry(poses, 2u * ids.x + 1u), normal.xyz);
-  grainPoint = turned(entry(pieces, 2u * ids.x + 1u), position);
-  colour = entry(materials, 4u * ids.y);
-  colour.rgb *= entry(pieces, 2u * ids.x).rgb;
-  finish = entry(materials, 4u * ids.y + 1u);
-  shine = entry(materials, 4u * ids.y + 2u);
-  relief = entry(materials, 4u * ids.y + 3u);
+  pointBody = position;
+  bodyAndMaterial = ids;
 #ifdef SKINNED
   imagePlace = place;
   corner = cornerColour;

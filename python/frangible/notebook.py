@@ -1,0 +1,35 @@
+"""Recordings and worlds in a notebook: the player, in a frame of its own."""
+
+from __future__ import annotations
+
+import html
+from typing import TYPE_CHECKING
+
+from .io.page import page_of
+from .recorder import Known, Memory, Recorder, assemble
+from .recording import Recording
+
+if TYPE_CHECKING:
+    from ._frangible import World
+
+#: Of the frame, as wide as the notebook [CSS px].
+HEIGHT = 520
+
+
+def recording_html(recording: Recording, height: int = HEIGHT) -> str:
+    """A frame with the player and the recording inside: nothing else is asked for."""
+    page = html.escape(page_of(recording), quote=True)
+    # Scripts run in it, apart from the notebook.
+    return (
+        f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '
+        f'title="{html.escape(recording.shot or "Recording")}" '
+        f'style="width: 100%; height: {height}px; border: 0"></iframe>'
+    )
+
+
+def world_html(world: World, height: int = HEIGHT) -> str:
+    """A world as it is now."""
+    memory, known = Memory(), Known()
+    Recorder(world, None, memory, known)
+    now = assemble(memory, known, {}, ("World", world.method, 1.0 / world.dt))
+    return recording_html(now, height)

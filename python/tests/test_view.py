@@ -1,0 +1,218 @@
+"""The player in use: what it says of a recording, live and in a notebook, and what its server
+hands out."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from http.client import HTTPConnection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from frangible import Recording, World, run, shot_scene
+from frangible.io.page import page_of, streaming_page
+from frangible.io.page_server import PageServer
+from frangible.io.view_file import read_recording
+from frangible.recording import rotation_matrix
+from support import TOOLS
+
+CHROMIUM = os.environ.get("CHROMIUM") or shutil.which("chromium")
+#: The first ball breaks in frame 18.
+FRAMES = 24
+
+
+@pytest.fixture(scope="module")
+def rain() -> Recording:
+    return run("rain-25", frames=FRAMES)
+
+
+@contextmanager
+def viewing(*arguments: str) -> Iterator[str]:
+    """The address of a page that ``frangible view`` serves."""
+    command = [sys.executable, "-m", "frangible", "view", *arguments, "--no-open", "--quiet"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            yield process.stdout.readline().strip()
+        finally:
+            process.send_signal(signal.SIGINT)
+    assert process.returncode == 0
+
+
+def asked(host: str, path: str, **headers: str) -> tuple[int, dict[str, str], bytes]:
+    connection = HTTPConnection(host, timeout=20)
+    try:
+        connection.request("GET", path, headers=headers)
+        answer = connection.getresponse()
+        return answer.status, dict(answer.getheaders()), answer.read()
+    finally:
+        connection.close()
+
+
+def number(text: str) -> float:
+    found = re.match(r"[-\d.e]+", text)
+    assert found is not None, text
+    return float(found[0])
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_a_browser_tells_what_the_recording_holds(rain: Recording, tmp_path: Path) -> None:
+    rain.save(tmp_path / "rain.npz")
+    (tmp_path / "book.html").write_text(f"<h1>Book</h1>{rain._repr_html_()}", encoding="utf-8")
+    with (
+        viewing(str(tmp_path / "rain.npz")) as recorded,
+        viewing("wall", "--frames", "20") as live,
+    ):
+        done = subprocess.run(
+            ["node", str(TOOLS / "use_player.js"), recorded, live, str(tmp_path / "book.html"),
+             str(tmp_path / "rain.png")],
+            capture_output=True, text=True, timeout=400,
+            env={**os.environ, "CHROMIUM": CHROMIUM or ""},
+        )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told: dict[str, Any] = json.loads(done.stdout)
+    assert told["errors"] == []
+    # Nothing but the page and its chunks.
+    assert set(told["requests"]) <= {recorded, live, f"{live}chunks"}
+
+    # The piece that was picked.
+    report = next(report for report in rain.reports if report["fractures"])
+    assert told["broken"] == report["frame"]
+    picked = told["picked"]
+    piece = rain.bodies[picked["row"]]
+    parent = next(body for body in rain.bodies if body.id == piece.parent)
+    assert (picked["name"], picked["parent"]) == (piece.name, parent.name)
+    assert number(picked["mass"]) == pytest.approx(piece.mass, rel=6e-4)
+    assert picked["broke off"].startswith(f"frame {piece.birth_frame},")
+    broken = next(one for one in report["fractures"] if piece.id in one["fragments"])
+    striker = next(body for body in rain.bodies if body.id == broken["striker"])
+    assert picked["struck by"] == striker.name
+    assert number(picked["blow"]) == pytest.approx(broken["impulse"], rel=6e-3)
+    row = told["broken"] + 1 - piece.birth_frame
+    way = piece.positions[row] - piece.positions[row - 1]
+    assert number(picked["speed"]) == pytest.approx(rain.fps * np.linalg.norm(way), rel=0.02)
+    assert told["parent"]["name"] == parent.name
+    assert told["parent"]["state"] == "broken"
+    assert told["pressed"] == picked["row"]
+
+    # What is said of it, and of all.
+    said = told["spoken"]
+    alive = len(rain.alive(told["broken"] + 1))
+    assert f"frame {told['broken'] + 1} of {FRAMES}" in said and f"{alive} bodies" in said
+    assert f"Picked: {piece.name}, mass" in said
+    kinetic = rain.reports[told["broken"]]["energy"]["kinetic"]
+    assert f"kinetic {kinetic / 1e3:.3g} kJ" in told["energy"]
+    assert told["colour"] == "speed" and "m/s" in told["legend"]
+    assert told["calls"] <= 12
+    controls = {"view", "timeline", "play", "back", "forth", "break", "loop", "speed", "colour",
+                "explode", "graph-toggle", "reset", "full", "help"}  # fmt: skip
+    assert controls <= set(told["focused"])
+    assert len(told["keys"]) >= 15
+
+    assert told["live"]["frame"] == "frame 20 of 20"
+    wall = run("wall", frames=20)
+    assert told["live"]["bodies"] == f"{len(wall.alive(20))} bodies"
+    assert "kinetic" in told["live"]["energy"]
+    assert told["notebook"] == "rain-25"
+
+
+def test_the_server_answers_only_who_knows_the_token(scripted: Recording) -> None:
+    with PageServer(page_of(scripted)) as server:
+        path = "/" + server.address.split("/", 3)[3]
+        status, headers, body = asked(server.host, path)
+        assert status == 200 and body.decode() == page_of(scripted)
+        policy = headers["Content-Security-Policy"]
+        assert "default-src 'none'" in policy and "frame-ancestors 'none'" in policy
+        assert "connect-src" not in policy
+        for other in ("/", "/x/", f"{path}x", f"{path}../", f"{path}chunks", path[:-1], f"/{path}"):
+            assert asked(server.host, other)[0] == 404, other
+        # Another name that leads here is a page's that wants to look in.
+        assert asked(server.host, path, Host="frangible.example")[0] == 403
+        assert server.host.startswith("127.0.0.1:")
+
+
+def test_a_streaming_page_may_ask_its_server_alone(scripted: Recording) -> None:
+    blobs = [b"one", b"", b"three"]
+    with PageServer(streaming_page("slab"), lambda: iter(blobs)) as server:
+        path = "/" + server.address.split("/", 3)[3]
+        assert "connect-src 'self'" in asked(server.host, path)[1]["Content-Security-Policy"]
+        status, _, body = asked(server.host, f"{path}chunks")
+    assert status == 200
+    assert body == b"\x03\0\0\0one\x05\0\0\0three"
+
+
+@pytest.mark.parametrize("ending", ["usdc", "glb"])
+def test_files_for_other_programs_play(rain: Recording, ending: str, tmp_path: Path) -> None:
+    if ending == "usdc":
+        pytest.importorskip("pxr")
+    path = tmp_path / f"rain.{ending}"
+    rain.save(path)
+    read = read_recording(str(path))
+    assert read is not None
+    assert (read.frames, read.fps) == (rain.frames, rain.fps)
+    # The ground is a square in these files, and moves as little.
+    assert len(read.bodies) == len(rain.bodies)
+    lives = sorted((body.birth_frame, body.death_frame or 0) for body in rain.bodies)
+    assert sorted((body.birth_frame, body.death_frame or 0) for body in read.bodies) == lives
+    pieces = [body for body in rain.bodies if body.parent is not None]
+    assert sum(body.parent is not None for body in read.bodies) == len(pieces)
+    # Each piece is where it was: by the middle of its box, which does not depend on its frame.
+    boxes = {0.5 * (points.min(0) + points.max(0)).round(2).sum() for body in read.bodies
+             if body.birth_frame == pieces[0].birth_frame for points in [world(body, 20)]}  # fmt: skip
+    for piece in pieces[:5]:
+        points = world(piece, 20)
+        middle = 0.5 * (points.min(0) + points.max(0)).round(2).sum()
+        assert min(abs(middle - box) for box in boxes) < 0.02
+    assert page_of(read)
+
+
+def world(body: Any, frame: int) -> np.ndarray[Any, Any]:
+    position, orientation = body.pose(frame)
+    found: np.ndarray[Any, Any] = body.vertices @ rotation_matrix(orientation).T + position
+    return found
+
+
+def test_what_is_no_recording_is_a_scene(tmp_path: Path) -> None:
+    assert read_recording("wall") is None
+    assert read_recording(str(tmp_path / "scene.json")) is None
+
+
+def test_the_data_tells_masses_breaks_and_gravity(rain: Recording) -> None:
+    from test_page import columns, header_of
+
+    masses = columns(rain, "mass").astype(np.int32).view(np.float32)[:, 0]
+    assert np.array_equal(masses, np.array([body.mass for body in rain.bodies], np.float32))
+    broke = columns(rain, "broke")[:, 0]
+    strikers = columns(rain, "break_striker")[:, 0]
+    fractures = [one for report in rain.reports for one in report["fractures"]]
+    for row, body in enumerate(rain.bodies):
+        made = [i for i, one in enumerate(fractures) if body.id in one["fragments"]]
+        assert broke[row] == (made[0] if made else -1)
+    for one, striker in zip(fractures, strikers, strict=True):
+        assert rain.bodies[striker].id == one["striker"]
+    assert header_of(rain)["gravity"] == pytest.approx(-9.81, rel=1e-6)
+    # Where frames do not agree, nobody knows.
+    mixed = [
+        {**report, "energy": {**report["energy"], "potential": i}}
+        for i, report in enumerate(rain.reports)
+    ]
+    assert header_of(replace(rain, reports=mixed))["gravity"] is None  # type: ignore[arg-type]
+    assert header_of(replace(rain, reports=[]))["gravity"] is None
+
+
+def test_a_world_is_shown_as_it_is() -> None:
+    world = World.build(shot_scene("wall"))
+    shown = world._repr_html_()
+    assert shown.startswith("<iframe") and "sandbox=" in shown
+    assert zlib.crc32(world._repr_html_().encode()) == zlib.crc32(shown.encode())

@@ -1,0 +1,120 @@
+// Uses the player in headless Chromium, with the keyboard alone but for one press, and prints what it shows as JSON.
+//
+//   node use_player.js ADDRESS LIVE NOTEBOOK PICTURE
+//
+// ADDRESS is of a recording that `frangible view` serves, LIVE of a run, NOTEBOOK a file with a frame in it.
+const { chromium } = require("playwright-core");
+const { pathToFileURL } = require("url");
+
+const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+  "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+const WAIT = { timeout: Number(process.env.PATIENCE ?? 120000) };
+
+const data = (page) => page.evaluate(() => ({ ...document.documentElement.dataset }));
+const text = (page, id) => page.locator(`#${id}`).textContent();
+const dataIs = (page, name, value) =>
+  page.waitForFunction(([name, value]) => document.documentElement.dataset[name] === String(value), [name, value], WAIT);
+const facts = (page) =>
+  page.evaluate(() => ({
+    name: document.getElementById("piece-name").textContent,
+    ...Object.fromEntries([...document.querySelectorAll("#piece-facts dt")].map((term) => [term.textContent, term.nextSibling.textContent])),
+  }));
+
+async function opened(browser, address, result) {
+  const page = await browser.newPage({ viewport: { width: 640, height: 600 } });
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && result.errors.push(message.text()));
+  page.on("pageerror", (error) => result.errors.push(error.message));
+  page.on("request", (request) => result.requests.push(request.url()));
+  // Little is drawn: what is drawn is looked at elsewhere.
+  await page.goto(`${address}#quality=4`);
+  // It plays by itself.
+  await page.waitForFunction(() => Number(document.documentElement.dataset.frame) > 0, null, WAIT);
+  return page;
+}
+
+async function useRecording(page, result, picture) {
+  // Stop, go back, and step to a frame after the break.
+  await page.keyboard.press("Home");
+  await dataIs(page, "frame", 0);
+  await page.keyboard.press("b");
+  await page.waitForFunction(() => Number(document.documentElement.dataset.frame) > 0, null, WAIT);
+  result.broken = Number((await data(page)).frame);
+  await page.keyboard.press("ArrowRight");
+  await dataIs(page, "frame", result.broken + 1);
+
+  // Pick a body, go on to others, and to what one broke off from.
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => Number(document.documentElement.dataset.picked) >= 0, null, WAIT);
+  for (let tries = 0; tries < 200; tries++) {
+    result.picked = { row: Number((await data(page)).picked), ...(await facts(page)) };
+    if (result.picked["broke off"] !== undefined) break;
+    await page.keyboard.press("p");
+  }
+  await page.waitForFunction(() => document.getElementById("spoken").textContent.includes("Picked: "), null, WAIT);
+  result.spoken = await text(page, "spoken");
+  await page.keyboard.press("f");
+  for (let i = 0; i < 3; i++) await page.keyboard.press("c");
+  await page.waitForFunction(() => !document.getElementById("legend").hidden, null, WAIT);
+  result.colour = await page.locator("#colour").inputValue();
+  result.legend = await text(page, "legend");
+  result.energy = await text(page, "graph-words");
+  await dataIs(page, "state", "settled");
+  await page.screenshot({ path: picture, timeout: 60000 });
+  result.calls = Number((await data(page)).calls);
+  await page.keyboard.press("o");
+  result.parent = await facts(page);
+  await page.keyboard.press("Escape");
+  await dataIs(page, "picked", -1);
+
+  // Everything has the focus in turn, and shows it.
+  const focused = new Set();
+  for (let i = 0; i < 20; i++) {
+    await page.keyboard.press("Tab");
+    focused.add(await page.evaluate(() => document.activeElement.id));
+  }
+  result.focused = [...focused];
+  await page.keyboard.press("?");
+  result.keys = await page.locator("#keys li").allTextContents();
+  await page.keyboard.press("Escape");
+
+  // A press picks what is under it: the body that was looked at is in the middle.
+  await page.evaluate(() => document.activeElement.blur());
+  const free = await page.evaluate(() => document.getElementById("controls").getBoundingClientRect().top);
+  await page.mouse.click(320, free / 2);
+  await page.waitForFunction(() => document.documentElement.dataset.picked !== undefined, null, WAIT);
+  result.pressed = Number((await data(page)).picked);
+}
+
+async function main([recorded, live, notebook, picture]) {
+  const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
+  const result = { errors: [], requests: [] };
+  try {
+    const page = await opened(browser, recorded, result);
+    await useRecording(page, result, picture);
+    await page.close();
+
+    // A run comes frame by frame, and ends.
+    const running = await opened(browser, live, result);
+    await running.waitForFunction(() => document.getElementById("live").hidden, null, WAIT);
+    await running.keyboard.press("End");
+    await running.waitForFunction(() => document.documentElement.dataset.state !== "playing", null, WAIT);
+    result.live = { frame: await text(running, "frame"), bodies: await text(running, "bodies"), energy: await text(running, "graph-words") };
+    await running.close();
+
+    // In a notebook it plays in a frame of its own.
+    const book = await browser.newPage({ viewport: { width: 640, height: 560 } });
+    book.on("pageerror", (error) => result.errors.push(error.message));
+    await book.goto(pathToFileURL(notebook).href);
+    const frame = await (await book.locator("iframe").elementHandle()).contentFrame();
+    await frame.waitForFunction(() => ["playing", "settled", "paused"].includes(document.documentElement.dataset.state), null, WAIT);
+    result.notebook = await frame.locator("#shot").textContent();
+  } finally {
+    await browser.close();
+  }
+  console.log(JSON.stringify(result));
+}
+
+main(process.argv.slice(2)).catch((error) => {
+  console.error(String(error.stack ?? error));
+  process.exitCode = 1;
+});
