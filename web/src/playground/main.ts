@@ -19,6 +19,8 @@ const HINTS: Record<Tool, string> = {
   slice: "Draw a line over what is to be cut.",
   burst: "Press on what is to break by its pattern.",
 };
+/** A film ends with a still picture, which also lets the encoder come to an end [ms]. */
+const HELD = 700;
 /** A first visit sees a ball on its way to the wall. */
 const FIRST_BALL = { radius: 0.18, from: [0.3, 0.9, 4.2], velocity: [-1, 1.2, -18] };
 
@@ -269,6 +271,7 @@ class Playground {
       player.clock.seek(0);
       player.clock.playing = true;
       while (player.clock.playing && player.clock.time < footage.frames && this.footage === footage) await new Promise(requestAnimationFrame);
+      await new Promise((done) => setTimeout(done, HELD));
     });
     this.filming = false;
     player.clock.playing = false;
