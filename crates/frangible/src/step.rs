@@ -3,6 +3,7 @@
 pub(crate) mod body_path;
 pub(crate) mod bonds;
 pub(crate) mod break_bodies;
+mod follow_paths;
 pub(crate) mod local_strength;
 pub(crate) mod quarantine;
 mod stage_clock;
@@ -15,13 +16,14 @@ use crate::report::{Fracture, Impulses, Quarantined, StepReport, id_number};
 use crate::scene::desc::Method;
 use crate::step::bonds::{Freed, free_overloaded, note_carried, strike_bonds};
 use crate::step::break_bodies::break_bodies;
+use crate::step::follow_paths::follow_paths;
 use crate::step::local_strength::LocalStrengths;
 use crate::step::quarantine::{Before, contain, take_out, take_out_faulty};
 use crate::step::stage_clock::StageClock;
 use crate::step::waiting::passed_on::{hit_through_others, waiting_contacts};
 use crate::step::waiting::{Contacts, start_and_advance};
 use crate::world::World;
-use frangible_bodies::{BodyId, Drowsiness, Frame, Motion, Pose, accelerate, predict};
+use frangible_bodies::{BodyId, Frame, Pose, accelerate, predict};
 use frangible_collision::{Manifold, Swept, find_pairs};
 use frangible_dynamics::{
     Blow, Collisions, Contact, ContactFreeState, EnergyAtStart, FrameAccounts, Phase, Response,
@@ -155,22 +157,6 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
         stages: clock.laps,
     };
     (report, Contacts { hit, links: accounts.links })
-}
-
-/// Puts the bodies with paths where these begin the frame, and lets them move to where these end
-/// it.
-fn follow_paths(world: &mut World) {
-    let frame = world.frame as f64;
-    for (i, label) in world.labels.iter().enumerate() {
-        let Some(path) = &label.path else { continue };
-        let (linear, angular) = path.velocity(frame, world.dt);
-        let motion = Motion::Kinematic { linear, angular };
-        world.bodies.poses[i] = path.at(frame);
-        if world.bodies.motions[i] != motion {
-            world.bodies.motions[i] = motion;
-            world.bodies.activities[i].drowsiness = Drowsiness::default();
-        }
-    }
 }
 
 /// State of a frame before its energy is balanced.

@@ -1,21 +1,17 @@
 // The playground: a world in the page, what somebody does to it, and what comes of that.
-import { DataArrayTexture, Quaternion, Raycaster, Vector2, Vector3 } from "three";
+import { DataArrayTexture } from "three";
 import { element } from "../panel";
 import { Player } from "../player";
+import { AHEAD, WorldBench } from "./bench";
 import { readMesh } from "./drop";
 import { LiveFootage } from "./live";
-import { type Hit, type Sight, crossed, pick } from "./pick";
-import type { Deed, Order, Story, Told } from "./protocol";
+import type { Order, Story, Told } from "./protocol";
 import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, SHOTS, sceneOf } from "./recipe";
 import { download, film, filmKind, piecesAsGltf } from "./save";
 import { LONGEST, decode, encode } from "./share";
 import { ball } from "./simulator";
-import { type Bench, TOOLS, type Tool, Tools } from "./tools";
+import { TOOLS, type Tool, Tools } from "./tools";
 
-/** The worker is ahead of the picture by at most so many frames: what is thrown is seen soon. */
-const AHEAD = 2;
-/** The farthest pieces of a burst fly so fast: half a metre before they fall as far [m/s]. */
-const BURST = 2;
 /** What a tool does, for who has not used it. */
 const HINTS: Record<Tool, string> = {
   throw: "Press to throw a ball, drag to turn the view.",
@@ -23,21 +19,24 @@ const HINTS: Record<Tool, string> = {
   slice: "Draw a line over what is to be cut.",
   burst: "Press on what is to break by its pattern.",
 };
+/** A film ends with a still picture, which also lets the encoder come to an end [ms]. */
+const HELD = 700;
 /** A first visit sees a ball on its way to the wall. */
 const FIRST_BALL = { radius: 0.18, from: [0.3, 0.9, 4.2], velocity: [-1, 1.2, -18] };
 
 const input = (id: string): HTMLInputElement => element(id) as HTMLInputElement;
 const select = (id: string): HTMLSelectElement => element(id) as HTMLSelectElement;
 
-class Playground implements Bench {
+class Playground {
   private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
-  private footage: LiveFootage | null = null;
-  private player: Player | null = null;
+  footage: LiveFootage | null = null;
+  player: Player | null = null;
   private fps = 60;
   private story: Story = { scene: "", actions: [] };
   private busy = 0;
   private dropped: Dropped | null = null;
-  private throws = 0;
+  /** Number of balls. */
+  throws = 0;
   /** Whether the next frame is shown as soon as it is made. */
   private stepping = false;
   /** The frame that is shown once all of a link is simulated. */
@@ -52,7 +51,7 @@ class Playground implements Bench {
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.worker.addEventListener("message", ({ data }: MessageEvent<Told>) => this.hear(data));
     this.worker.addEventListener("error", () => say("The engine stopped: reset, or load the page again."));
-    this.tools = new Tools(canvas, element("line") as unknown as SVGLineElement, this);
+    this.tools = new Tools(canvas, element("line") as unknown as SVGLineElement, new WorldBench(canvas, this));
     this.fillMenus();
     // A small window is for the world.
     (element("recipe") as HTMLDetailsElement).open = innerWidth > 640;
@@ -80,7 +79,7 @@ class Playground implements Bench {
     this.order({ kind: "build", story, frames: 0 });
   }
 
-  private order(order: Order): void {
+  order(order: Order): void {
     this.busy++;
     this.worker.postMessage(order);
   }
@@ -255,75 +254,6 @@ class Playground implements Bench {
     if (this.busy === 0) this.order({ kind: "step", frames: 1 });
   }
 
-  sight(x: number, y: number): Sight | null {
-    const { player, footage } = this;
-    if (player === null || footage === null) return null;
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    const caster = new Raycaster();
-    player.camera.updateMatrixWorld();
-    caster.setFromCamera(new Vector2((2 * (x - left)) / width - 1, 1 - (2 * (y - top)) / height), player.camera);
-    const { ray } = caster;
-    return { origin: ray.origin.add(new Vector3().fromArray(footage.camera.target)), direction: ray.direction };
-  }
-
-  /** What is done is done to the last frame. */
-  pick(sight: Sight): Hit | null {
-    const { player, footage } = this;
-    if (player === null || footage === null) return null;
-    return pick(footage, this.atEnd(player, footage), sight);
-  }
-
-  seen(id: number, pointBody: Vector3): [number, number] | null {
-    const { player, footage } = this;
-    if (player === null || footage === null) return null;
-    const state = footage.state(player.clock.frame);
-    const row = state.ids.indexOf(id);
-    if (row < 0) return null;
-    const place = pointBody.clone().applyQuaternion(new Quaternion().fromArray(state.poses, 7 * row + 3));
-    place.add(new Vector3().fromArray(state.poses, 7 * row)).sub(new Vector3().fromArray(footage.camera.target)).project(player.camera);
-    const { left, top, width, height } = this.canvas.getBoundingClientRect();
-    return [left + (0.5 + 0.5 * place.x) * width, top + (0.5 - 0.5 * place.y) * height];
-  }
-
-  forward(): Vector3 {
-    return this.player!.camera.getWorldDirection(new Vector3());
-  }
-
-  do(deed: Deed): void {
-    const { player, footage } = this;
-    if (player === null || footage === null) return;
-    this.order({ kind: "do", deed });
-    this.atEnd(player, footage);
-    player.clock.playing = true;
-  }
-
-  throwBall({ origin, direction }: Sight): void {
-    const { player, footage } = this;
-    if (player === null || footage === null) return;
-    // It starts nearer than the eye, or a far view waits for it.
-    const from = origin.clone().addScaledVector(direction, Math.max(0, player.camera.position.length() - 4 * footage.size));
-    const velocity = direction.clone().multiplyScalar(input("velocity").valueAsNumber);
-    this.throws++;
-    this.do({ add: ball(input("radius").valueAsNumber, from.toArray(), velocity.toArray(), this.throws) });
-  }
-
-  slice(from: Sight, to: Sight): void {
-    const { player, footage } = this;
-    if (player === null || footage === null) return;
-    const { bodies, normal } = crossed(footage, this.atEnd(player, footage), from, to);
-    for (const body of bodies) this.do({ cut: { body, point: from.origin.toArray(), normal: normal.toArray() } });
-  }
-
-  burst({ body, point }: Hit): void {
-    this.do({ burst: { body, point: point.toArray(), speed: BURST } });
-  }
-
-  /** Shows the last frames, if earlier ones are looked at; the frame that is shown. */
-  private atEnd(player: Player, footage: LiveFootage): number {
-    if (player.clock.time < footage.frames - AHEAD) player.clock.seek(footage.frames);
-    return player.clock.frame;
-  }
-
   private async saveGltf(): Promise<void> {
     const { player, footage } = this;
     if (player === null || footage === null) return;
@@ -341,6 +271,7 @@ class Playground implements Bench {
       player.clock.seek(0);
       player.clock.playing = true;
       while (player.clock.playing && player.clock.time < footage.frames && this.footage === footage) await new Promise(requestAnimationFrame);
+      await new Promise((done) => setTimeout(done, HELD));
     });
     this.filming = false;
     player.clock.playing = false;
