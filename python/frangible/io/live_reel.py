@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ..laid import Laid
 from ..recorder import Known, Path, Poses, SeenBody, rows_of_bodies
@@ -107,9 +107,9 @@ class LiveReel:
         """See `Frames`."""
         return iter(self._seen.values())
 
-    def reports(self) -> Iterator[StepReport]:
+    def reports(self) -> Sequence[StepReport]:
         """Of the frames since the last chunk."""
-        return iter(self._reports)
+        return self._reports
 
     def paths(self) -> dict[int, Path]:
         """Of the frames since the last chunk, and of its last one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -22,7 +23,7 @@ _AGREEMENT = 1e-3
 _ASKED = 8
 
 
-def add_energy(blob: Blob, reports: list[StepReport]) -> None:
+def add_energy(blob: Blob, reports: Sequence[StepReport]) -> None:
     """Energy after each step, and what changed it, as bits of single-precision numbers."""
     rows = []
     for report in reports:
@@ -37,7 +38,7 @@ def add_energy(blob: Blob, reports: list[StepReport]) -> None:
 
 
 def add_breaks(
-    blob: Blob, reports: list[StepReport], rows: dict[int, int], new: list[Body], before: int
+    blob: Blob, reports: Sequence[StepReport], rows: dict[int, int], new: list[Body], before: int
 ) -> int:
     """The breaks, and which of them each new body comes from; ``before`` were breaks of earlier
     chunks. The number of breaks with these."""
