@@ -1,7 +1,7 @@
 // A wall that breaks: press to throw a ball at what is under the pointer.
 import init, { World } from "frangible";
 import engine from "frangible/engine_bg.wasm?url";
-import { WorldView } from "frangible/three";
+import { FrangibleMesh } from "frangible/three";
 import * as THREE from "three";
 
 await init(engine);
@@ -38,7 +38,7 @@ sun.shadow.mapSize.set(2048, 2048);
 Object.assign(sun.shadow.camera, { left: -6, right: 6, top: 6, bottom: -6 });
 scene.add(sun, new THREE.HemisphereLight(0xdfefff, 0x807060, 1.5));
 
-const view = new WorldView(world);
+const view = new FrangibleMesh(world);
 scene.add(view);
 
 const raycaster = new THREE.Raycaster();

@@ -15,7 +15,7 @@ export interface Sides {
   inside: Material;
 }
 
-export interface WorldViewOptions {
+export interface FrangibleMeshOptions {
   /**
    * Materials of a body of the scene; its pieces have them too. The same materials for many bodies
    * keep draw calls few. Without it, or where it returns nothing, they come from the body's look.
@@ -42,7 +42,7 @@ interface Shown {
   settled: boolean;
 }
 
-export class WorldView extends Group {
+export class FrangibleMesh extends Group {
   private readonly bodies = new Map<number, Shown>();
   /** Of outsides, and of insides: a material may be both. */
   private readonly batches = [new Map<Material, Batch>(), new Map<Material, Batch>()] as const;
@@ -56,7 +56,7 @@ export class WorldView extends Group {
   /** `world` is left out where states come from a worker. */
   constructor(
     private readonly world: ReadableWorld | null = null,
-    private readonly options: WorldViewOptions = {},
+    private readonly options: FrangibleMeshOptions = {},
   ) {
     super();
     if (world !== null) this.update();
@@ -64,7 +64,7 @@ export class WorldView extends Group {
 
   /** Shows the world as it is now: after `step`, `addBody`, `removeBody`, `restore`. */
   update(): void {
-    if (this.world === null) throw new Error("WorldView.update: it was made without a world, must have one; take() shows states");
+    if (this.world === null) throw new Error("FrangibleMesh.update: it was made without a world, must have one; take() shows states");
     this.take(this.reader.read(this.world));
   }
 

@@ -1,6 +1,6 @@
 // What a user writes: the compiler checks it against the package's types.
 import init, { type BodyDesc, type Fracture, MATERIALS, type SceneDesc, World, WorldReader, shotScene } from "frangible";
-import { WorldView } from "frangible/three";
+import { FrangibleMesh } from "frangible/three";
 import { MeshStandardMaterial, Scene } from "three";
 
 await init();
@@ -13,7 +13,7 @@ const scene: SceneDesc = { frames_per_second: 60, bodies: [{ shape: { kind: "hal
 const world = new World(scene);
 const id: number = world.addBody({ shape: { kind: "sphere", radius: 0.2 }, linear_velocity: [0, 0, -20] });
 const breaks: Fracture[] = world.step().fractures;
-const view = new WorldView(world, { materials: () => ({ outside: new MeshStandardMaterial(), inside: new MeshStandardMaterial() }) });
+const view = new FrangibleMesh(world, { materials: () => ({ outside: new MeshStandardMaterial(), inside: new MeshStandardMaterial() }) });
 new Scene().add(view);
 view.take(new WorldReader().read(world));
 new World(shotScene("wall")).free();

@@ -5,7 +5,7 @@ import { readFile } from "node:fs/promises";
 import { before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import init, { MATERIALS, World, WorldReader, shotScene } from "frangible";
-import { WorldView } from "frangible/three";
+import { FrangibleMesh } from "frangible/three";
 import { BatchedMesh, Box3, Matrix4, MeshBasicMaterial, Raycaster, Vector3 } from "three";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
@@ -46,7 +46,7 @@ test("a shot's scene ends in the same state as its text", () => {
 
 test("a view keeps in step through births, deaths and what is undone", () => {
   const world = new World(WALL);
-  const view = new WorldView(world);
+  const view = new FrangibleMesh(world);
   const before = [drawn(view), world.snapshot()];
   assert.equal(before[0], 1);
   world.addBody(BALL);
@@ -69,7 +69,7 @@ test("a view keeps in step through births, deaths and what is undone", () => {
 
 test("what is drawn stands where the world says", () => {
   const world = new World({ bodies: [{ shape: { kind: "box", size: [1, 2, 3] }, position: [4, 5, 6], linear_velocity: [30, 0, 0] }], gravity: [0, 0, 0] });
-  const view = new WorldView(world);
+  const view = new FrangibleMesh(world);
   world.step();
   view.update();
   const [batch] = batches(view);
@@ -90,19 +90,19 @@ test("what is drawn stands where the world says", () => {
 test("states that went through a worker's post show the same", () => {
   const world = new World(WALL);
   world.addBody(BALL);
-  const [view, reader] = [new WorldView(), new WorldReader()];
+  const [view, reader] = [new FrangibleMesh(), new WorldReader()];
   for (let frame = 0; frame < 10; frame++) {
     world.step();
     view.take(structuredClone(reader.read(world)));
   }
-  assert.equal(drawn(view), drawn(new WorldView(world)));
+  assert.equal(drawn(view), drawn(new FrangibleMesh(world)));
   assert.throws(() => view.update(), /without a world/);
 });
 
 test("materials are the caller's, for pieces too, and a batch that dies is used again", () => {
   const [outside, inside] = [new MeshBasicMaterial(), new MeshBasicMaterial()];
   const world = new World(WALL);
-  const view = new WorldView(world, { materials: () => ({ outside, inside }), ground: 0 });
+  const view = new FrangibleMesh(world, { materials: () => ({ outside, inside }), ground: 0 });
   const start = world.snapshot();
   world.addBody(BALL);
   const sizes = [0, 1, 2].map(() => {
@@ -123,7 +123,7 @@ test("materials are the caller's, for pieces too, and a batch that dies is used 
 
 test("a thousand bodies are two draw calls", () => {
   const bodies = Array.from({ length: 1000 }, (_, i) => ({ shape: { kind: "box", size: [1, 1, 1] }, position: [2 * i, 0, 0], look: "brick" }));
-  const view = new WorldView(new World({ bodies }));
+  const view = new FrangibleMesh(new World({ bodies }));
   assert.equal(batches(view).length, 1);
   assert.equal(drawn(view), 1000);
 });
