@@ -50,7 +50,7 @@ async function useRecording(page, result, picture) {
     if (result.picked["broke off"] !== undefined) break;
     await page.keyboard.press("p");
   }
-  await page.waitForFunction(() => document.getElementById("spoken").textContent.includes("Picked: "), null, WAIT);
+  await page.waitForFunction((name) => document.getElementById("spoken").textContent.includes(`Picked: ${name},`), result.picked.name, WAIT);
   result.spoken = await text(page, "spoken");
   await page.keyboard.press("f");
   for (let i = 0; i < 3; i++) await page.keyboard.press("c");
