@@ -75,22 +75,20 @@ def inflated_of(recording: Recording) -> bytes:
     return zlib.decompress(b"".join(pieces))
 
 
-def header_of(recording: Recording) -> dict[str, Any]:
-    inflated = inflated_of(recording)
-    header: dict[str, Any] = json.loads(inflated[4 : 4 + int.from_bytes(inflated[:4], "little")])
-    return header
-
-
 def columns(recording: Recording, name: str) -> np.ndarray[Any, Any]:
     """A stream, (rows, columns), read as the format says."""
     inflated = inflated_of(recording)
     end = 4 + int.from_bytes(inflated[:4], "little")
-    info = json.loads(inflated[4:end])["streams"][name]
+    return stream(inflated[end:], json.loads(inflated[4:end])["streams"][name])
+
+
+def stream(data: bytes, info: dict[str, int]) -> np.ndarray[Any, Any]:
+    """The same of one that its header describes."""
     count = info["rows"] * info["columns"]
     folded = np.zeros(count, np.int64)
     for plane in range(info["bytes"]):
-        begin = end + info["offset"] + plane * count
-        folded |= np.frombuffer(inflated[begin : begin + count], np.uint8).astype(np.int64) << (
+        begin = info["offset"] + plane * count
+        folded |= np.frombuffer(data[begin : begin + count], np.uint8).astype(np.int64) << (
             8 * plane
         )
     values = np.where(folded & 1, -(folded + 1) // 2, folded // 2).reshape(

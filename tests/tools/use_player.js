@@ -21,7 +21,7 @@ const facts = (page) =>
   }));
 
 async function opened(browser, address, result) {
-  const page = await browser.newPage({ viewport: { width: 640, height: 600 } });
+  const page = await browser.newPage({ viewport: { width: 480, height: 440 } });
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && result.errors.push(message.text()));
   page.on("pageerror", (error) => result.errors.push(error.message));
   page.on("request", (request) => result.requests.push(request.url()));
@@ -50,16 +50,17 @@ async function useRecording(page, result, picture) {
     if (result.picked["broke off"] !== undefined) break;
     await page.keyboard.press("p");
   }
-  await page.waitForFunction(() => document.getElementById("spoken").textContent.includes("Picked: "), null, WAIT);
+  await page.waitForFunction((name) => document.getElementById("spoken").textContent.includes(`Picked: ${name},`), result.picked.name, WAIT);
   result.spoken = await text(page, "spoken");
   await page.keyboard.press("f");
+  await page.keyboard.press("g");
   for (let i = 0; i < 3; i++) await page.keyboard.press("c");
   await page.waitForFunction(() => !document.getElementById("legend").hidden, null, WAIT);
   result.colour = await page.locator("#colour").inputValue();
   result.legend = await text(page, "legend");
   result.energy = await text(page, "graph-words");
   await dataIs(page, "state", "settled");
-  await page.screenshot({ path: picture, timeout: 60000 });
+  await page.screenshot({ path: picture, timeout: 240000 });
   result.calls = Number((await data(page)).calls);
   await page.keyboard.press("o");
   result.parent = await facts(page);
@@ -80,7 +81,7 @@ async function useRecording(page, result, picture) {
   // A press picks what is under it: the body that was looked at is in the middle.
   await page.evaluate(() => document.activeElement.blur());
   const free = await page.evaluate(() => document.getElementById("controls").getBoundingClientRect().top);
-  await page.mouse.click(320, free / 2);
+  await page.mouse.click(240, free / 2);
   await page.waitForFunction(() => document.documentElement.dataset.picked !== undefined, null, WAIT);
   result.pressed = Number((await data(page)).picked);
 }
@@ -96,13 +97,14 @@ async function main([recorded, live, notebook, picture]) {
     // A run comes frame by frame, and ends.
     const running = await opened(browser, live, result);
     await running.waitForFunction(() => document.getElementById("live").hidden, null, WAIT);
+    await running.keyboard.press("g");
     await running.keyboard.press("End");
     await running.waitForFunction(() => document.documentElement.dataset.state !== "playing", null, WAIT);
     result.live = { frame: await text(running, "frame"), bodies: await text(running, "bodies"), energy: await text(running, "graph-words") };
     await running.close();
 
     // In a notebook it plays in a frame of its own.
-    const book = await browser.newPage({ viewport: { width: 640, height: 560 } });
+    const book = await browser.newPage({ viewport: { width: 480, height: 560 } });
     book.on("pageerror", (error) => result.errors.push(error.message));
     await book.goto(pathToFileURL(notebook).href);
     const frame = await (await book.locator("iframe").elementHandle()).contentFrame();

@@ -17,6 +17,8 @@ export class Geometries {
   hasGlass = false;
   private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> = { fine: {}, coarse: {} };
   private isCoarse = false;
+  private ends: Record<"fine" | "coarse", Record<"solid" | "glass", Uint32Array>> | null = null;
+  private bodies = 0;
 
   /** `skinned` says whether corners have a place in an image, and a colour. */
   constructor(readonly skinned: boolean) {}
@@ -33,13 +35,19 @@ export class Geometries {
       for (const detail of ["fine", "coarse"] as const)
         this.indices[detail][part] = new BufferAttribute(Uint32Array.from(merged[detail][part]), 1);
     }
-    this.choose(this.isCoarse);
+    this.ends = merged.ends;
+    this.bodies = footage.bodies.length;
+    this.choose(this.isCoarse, this.bodies);
   }
 
-  /** Draw fewer triangles, or all. */
-  choose(isCoarse: boolean): void {
-    this.isCoarse = isCoarse;
-    for (const part of ["solid", "glass"] as const) this[part].setIndex(this.indices[isCoarse ? "coarse" : "fine"][part] ?? null);
+  /** Draw fewer triangles of each body, or all, and so many of the bodies. */
+  choose(isCoarse: boolean, bodies: number = this.bodies): void {
+    [this.isCoarse, this.bodies] = [isCoarse, bodies];
+    const detail = isCoarse ? "coarse" : "fine";
+    for (const part of ["solid", "glass"] as const) {
+      this[part].setIndex(this.indices[detail][part] ?? null);
+      this[part].setDrawRange(0, this.ends?.[detail][part][bodies - 1] ?? 0);
+    }
   }
 }
 
@@ -53,6 +61,8 @@ interface Merged {
   /** Corners of triangles, three each. */
   fine: Triangles;
   coarse: Triangles;
+  /** Where those of each body end. */
+  ends: Record<"fine" | "coarse", Record<"solid" | "glass", Uint32Array>>;
 }
 
 interface Triangles {
@@ -68,6 +78,8 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, c
   const ids = new Uint32Array(2 * count);
   const fine: Triangles = { solid: [], glass: [] };
   const coarse: Triangles = { solid: [], glass: [] };
+  const made = (): Record<"solid" | "glass", Uint32Array> => ({ solid: new Uint32Array(bodies.length), glass: new Uint32Array(bodies.length) });
+  const ends = { fine: made(), coarse: made() };
   const coarseMeshes = new Map<number, Int32Array>();
   const places = skinned ? new Float32Array(2 * count) : null;
   const colours = skinned ? new Uint8Array(4 * count).fill(255) : null;
@@ -91,6 +103,7 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, c
         for (let corner = 0; corner < 3; corner++) into.push(first + triangles[i + corner]!);
       }
     first += mesh.slots.length;
+    for (const part of ["solid", "glass"] as const) [ends.fine[part][row], ends.coarse[part][row]] = [fine[part].length, coarse[part].length];
   });
 
   const attributes: Record<string, BufferAttribute> = {
@@ -102,7 +115,7 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, c
     attributes["place"] = new BufferAttribute(places, 2);
     attributes["cornerColour"] = new BufferAttribute(colours, 4, true);
   }
-  return { attributes, fine, coarse };
+  return { attributes, fine, coarse, ends };
 }
 
 /** A texture of single-precision numbers, four to a texel. */

@@ -31,9 +31,16 @@ function missing(): string {
 /** What the address asks for. */
 const asked = new URLSearchParams(location.hash.slice(1));
 
-/** The frame that the address asks for; `null` to play. */
-function askedFrame(): number | null {
-  return asked.has("frame") ? Number(asked.get("frame")) || 0 : null;
+/** Do what the address asks for as soon as it can be done: of a run that goes on, some of it only later. */
+function obey(player: Player, panel: Panel): void {
+  const { clock, footage } = player;
+  const number = (name: string): number => Number(asked.get(name)) || 0;
+  if (asked.has("frame")) {
+    clock.seek(number("frame"));
+    if (footage.frames >= number("frame") || !footage.grows) asked.delete("frame");
+  }
+  if (asked.has("explode") && panel.changeExplode(number("explode"))) asked.delete("explode");
+  if (asked.has("pick") && panel.pick(number("pick"))) asked.delete("pick");
 }
 
 /** Play what is there, and what the address asks for. */
@@ -49,14 +56,11 @@ async function play(reel: Reel): Promise<[Player, Panel]> {
     state["state"] = player.clock.playing ? "playing" : settled ? "settled" : "paused";
   };
   say("");
-  panel.changeExplode(Number(asked.get("explode")) || 0);
   const colour = asked.get("colour") as Quantity;
   if (QUANTITIES.includes(colour)) panel.colourBy(colour);
   if (asked.has("quality")) player.spend(Number(asked.get("quality")));
-  if (asked.has("pick")) panel.pick(Number(asked.get("pick")) || 0);
-  const frame = askedFrame();
-  if (frame !== null) player.clock.seek(frame);
-  else player.clock.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  player.clock.playing = !asked.has("frame") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  obey(player, panel);
   player.start();
   return [player, panel];
 }
@@ -68,7 +72,7 @@ async function follow(): Promise<void> {
   const response = await fetch(CHUNKS);
   if (!response.ok || response.body === null) throw new Error(`its server answers ${response.status}`);
   for await (const blob of blobs(response.body)) {
-    const [images, frames] = [reel.images.length, reel.frames];
+    const images = reel.images.length;
     const hasNew = reel.append(await unpacked(blob));
     if (shown === null) {
       shown = await play(reel);
@@ -78,9 +82,7 @@ async function follow(): Promise<void> {
     if (reel.images.length > images) player.restage(await loadImages(reel.images));
     else if (hasNew) player.takeIn();
     panel.takeIn();
-    // What was asked for comes only now.
-    const frame = askedFrame();
-    if (frame !== null && frame > frames && player.clock.time === frames) player.clock.seek(frame);
+    obey(player, panel);
     document.documentElement.dataset["frames"] = String(reel.frames);
   }
   // The run was stopped before its end.

@@ -76,7 +76,7 @@ export class Panel {
     this.showGraph();
     element("live").hidden = !footage.grows;
     this.drawMarks();
-    this.tell();
+    this.show();
   }
 
   /** Say what is drawn. */
@@ -106,16 +106,20 @@ export class Panel {
     select("colour").value = quantity;
   }
 
-  changeExplode(by: number): void {
+  /** Pull pieces apart by so much more; false if nothing has broken yet. */
+  changeExplode(by: number): boolean {
     const explode = input("explode");
-    if (explode.disabled) return;
+    if (explode.disabled) return false;
     explode.value = String(Number(explode.value) + by);
     this.player.explode = Number(explode.value);
+    return true;
   }
 
-  /** Pick a body by its row. */
-  pick(row: number): void {
-    if (row < this.player.footage.bodies.length) this.picking.pick(row);
+  /** Pick a body by its row; false if there is no such body yet. */
+  pick(row: number): boolean {
+    if (!(row >= 0 && row < this.player.footage.bodies.length)) return false;
+    this.picking.pick(row);
+    return true;
   }
 
   private tell(): void {

@@ -41,6 +41,8 @@ export class Stage {
   raised = 0;
   private readonly geometries: Geometries;
   private readonly glass: Mesh[] = [];
+  /** So many bodies have been born at the time shown. */
+  private born = 0;
   /** Of the first view [m]. */
   private distance0 = 1;
   private readonly scene = new Scene();
@@ -127,6 +129,15 @@ export class Stage {
     const poses = this.uniforms.poses.value;
     this.footage.fill(time, explode, this.footage.camera.target, numbers(poses));
     poses.needsUpdate = true;
+    // Bodies are in the order of their birth; pieces are seen on the way to it.
+    const { bodies } = this.footage;
+    let [low, high] = [0, bodies.length];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (bodies[middle]!.birth <= Math.floor(time) + 1) low = middle + 1;
+      else high = middle;
+    }
+    this.born = low;
   }
 
   /** Draw; of several pictures of the same, number them from 0, and each smooths those before. */
@@ -156,7 +167,7 @@ export class Stage {
       this.target.samples = quality.samples;
     }
     this.lamp.resize(quality.shadow);
-    this.geometries.choose(quality.isCoarse && distance > 0.6 * this.distance0);
+    this.geometries.choose(quality.isCoarse && distance > 0.6 * this.distance0, this.born);
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
     if (quality.ambient) this.occlusion.draw(camera);

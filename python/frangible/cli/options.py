@@ -73,8 +73,8 @@ def add_scene_options(parser: argparse.ArgumentParser, besides: str = "") -> Non
     parser.add_argument(
         "shot",
         metavar="SHOT|FILE",
-        help=f"{besides}one of those that `frangible shots` lists, a scene file (.json, .toml, .py, or "
-        ".usd with physics), or one mesh file",
+        help=f"{besides}one of those that `frangible shots` lists, a scene file (.json, .toml, "
+        ".py, or .usd with physics), or one mesh file",
     )
     parser.add_argument("--mesh", metavar="FILE", help="mesh, for shots that break one")
     parser.add_argument(

@@ -53,8 +53,8 @@ def add_breaks(
     blob.add("broke", np.array([of_fragment.get(body.id, -1) for body in new], np.int64))
     blob.add("break_frame", np.array([frame for frame, _ in breaks], np.int64))
     for name, key in (("break_body", "body"), ("break_striker", "striker")):
-        shown = [rows.get(cast(dict[str, int], fracture).get(key, -1), -1) for _, fracture in breaks]
-        blob.add(name, np.array(shown, np.int64))
+        named = [cast(dict[str, int], fracture).get(key, -1) for _, fracture in breaks]
+        blob.add(name, np.array([rows.get(one, -1) for one in named], np.int64))
     pieces = [len(fracture["fragments"]) for _, fracture in breaks]
     blob.add("break_pieces", np.array(pieces, np.int64))
     figures = [
