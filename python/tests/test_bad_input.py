@@ -81,7 +81,10 @@ def complain(capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
         (["run", "wall", "--set", "bodies.wall.density"], ["must be PATH=VALUE"]),
         (["run", "wall", "--set", "gravity=9.81"], ["gravity", "9.81", "list of 3 numbers"]),
         (["run", "wall", "--set", "frames=2.5"], ["frames", "2.5", "whole number"]),
-        (["render", __file__, "--out", "a.png"], [__file__, "is not a .npz file", "--out test_bad"]),
+        (
+            ["render", __file__, "--out", "a.png"],
+            [__file__, "is not a .npz file", "--out test_bad"],
+        ),
         (["render", "no/such.npz", "--out", "a.png"], ["no/such.npz", "no such file"]),
         (["scene", "wal"], ["wal", "(did you mean 'wall'?)"]),
         (["scene", "impact"], ["impact", "--mesh FILE"]),

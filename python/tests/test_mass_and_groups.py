@@ -162,3 +162,8 @@ def test_pieces_and_added_bodies_are_in_groups_too() -> None:
     heights = dict(zip(world.ids.tolist(), world.positions[:, 1].tolist(), strict=True))
     above = [one for one, height in heights.items() if height > -1.0]
     assert sorted(above) == sorted([world.ids.tolist()[0], stays])
+
+
+def test_groups_are_lists_of_names() -> None:
+    with pytest.raises(BuildError, match="groups: \"x\", must be a list of texts"):
+        a_world({"shape": CUBE, "groups": "x"})

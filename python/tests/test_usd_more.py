@@ -342,7 +342,7 @@ def test_bodies_of_a_joint_do_not_collide(read: Any) -> None:
     ):
         ends = f"rel physics:body0 = </World/{first}>\nrel physics:body1 = </World/{second}>"
         text += f'def PhysicsRevoluteJoint "{first}{second}"\n{{\n{ends}\n{more}\n}}\n'
-    text += 'def PhysicsFixedJoint "d"\n{\nrel physics:body1 = </World/d>\n}\n'
+    text += 'def PhysicsFixedJoint "to_world"\n{\nrel physics:body1 = </World/d>\n}\n'
     scene, notes = read(stage(text))
     assert passing(scene) == {"ab"}
     assert notes == ["joint (/World/ab and 2 more): its bodies move freely"]

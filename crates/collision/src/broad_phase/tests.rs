@@ -203,3 +203,29 @@ fn ground_meets_what_is_not_above_it() {
         [[0, 1], [0, 4], [1, 2], [1, 3]]
     );
 }
+
+/// Bodies that pass through each other form no pairs, with the ground neither, and take no place
+/// of others in a crowd: 600 of them in one place, and a ball that collides with all.
+#[test]
+fn bodies_that_pass_through_each_other_form_no_pairs() {
+    let ground = ClosedForm::HalfSpace(HalfSpace { normal: DVec3::Y, offset: 0.5 });
+    let ball = ClosedForm::Sphere { radius: 1.0 };
+    let mut bodies = Bodies::default();
+    spawn(&mut bodies, ground, Motion::Static, DVec3::ZERO);
+    spawn(&mut bodies, ball, Motion::Dynamic, DVec3::ZERO);
+    (0..600).for_each(|_| spawn(&mut bodies, ball, Motion::Dynamic, DVec3::ZERO));
+    let [floor, ghosts] = ["floor", "ghosts"].map(|name| vec![name.to_string()]);
+    let solid = bodies.classes.class_of(&floor, &[]);
+    let ghost = bodies.classes.class_of(&ghosts, &[floor, ghosts.clone()].concat());
+    bodies.surfaces[0].class = solid;
+    bodies.surfaces[2..].iter_mut().for_each(|surface| surface.class = ghost);
+    let swept = Swept::new(&bodies, &bodies.poses, 0.0, &frame());
+    let of_the_ball = |second: usize| Pair { first: 1, second };
+    let expected: Vec<Pair> =
+        std::iter::once(Pair { first: 0, second: 1 }).chain((2..602).map(of_the_ball)).collect();
+    assert_eq!((swept.pairs, swept.left_out), (expected.clone(), 0));
+    assert_eq!(find_pairs(&bodies, &bodies.poses, 0.0), expected);
+    // Without the classes they are a crowd.
+    bodies.surfaces.iter_mut().for_each(|surface| surface.class = Default::default());
+    assert!(Swept::new(&bodies, &bodies.poses, 0.0, &frame()).left_out > 100_000);
+}

@@ -268,6 +268,7 @@ impl<'a> Reader<'a> {
                 Some(items) if allows(items, "number") => "numbers",
                 Some(items) if allows(items, "integer") => "whole numbers",
                 Some(items) if allows(items, "array") => "lists",
+                Some(items) if allows(items, "string") => "texts",
                 _ => "objects",
             };
             let count =
