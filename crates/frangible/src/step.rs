@@ -65,7 +65,7 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     let mut clock = StageClock::new(world.clock);
 
     // Overloaded bonds break.
-    let Freed { fractures: mut freed, blows } = free_overloaded(world, frame);
+    let Freed { fractures: freed, blows } = free_overloaded(world, frame);
     clock.lap("free_overloaded");
 
     // Open the books.
@@ -100,8 +100,8 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     let culprits = contain(world, &solved_from, &mut accounts);
 
     // What the caller did before the frame is part of its report.
-    let Handled { work: by_hand, fractures: cut_up } = std::mem::take(&mut world.hand.handled);
-    freed.extend(cut_up);
+    let Handled { work: by_hand, fractures: mut all } = std::mem::take(&mut world.hand.handled);
+    all.extend(freed);
 
     // Balance the energy of every island.
     accounts.links.extend(broken.iter().flat_map(Fracture::links));
@@ -150,8 +150,8 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
             withheld: accounts.clamps.withheld,
         },
         fractures: {
-            freed.extend(broken);
-            freed
+            all.extend(broken);
+            all
         },
         quarantined,
         stages: clock.laps,

@@ -13,6 +13,11 @@ const scene: SceneDesc = { frames_per_second: 60, bodies: [{ shape: { kind: "hal
 const world = new World(scene);
 const id: number = world.addBody({ shape: { kind: "sphere", radius: 0.2 }, linear_velocity: [0, 0, -20] });
 const breaks: Fracture[] = world.step().fractures;
+const [part = id]: Float64Array = world.cut(id, Float64Array.of(0, 0, 0), Float64Array.of(0, 1, 0));
+world.hold(part, Float64Array.of(0, 0, 0), Float64Array.of(0, 2, 0), 500);
+const work: number = world.applyImpulse(part, Float64Array.of(0, 0, 1), Float64Array.of(0, 0, 0));
+const free: boolean = world.letGo(part);
+world.burst(part, Float64Array.of(0, 0, 0), 2);
 const view = new FrangibleMesh(world, { materials: () => ({ outside: new MeshStandardMaterial(), inside: new MeshStandardMaterial() }) });
 new Scene().add(view);
 view.take(new WorldReader().read(world));
@@ -28,4 +33,4 @@ world.addBody({ shape: { kind: "sphere", size: [1, 1, 1] } });
 // @ts-expect-error: no such motion
 world.addBody({ shape: { kind: "sphere", radius: 1 }, motion: "dynamical" });
 
-export { breaks, empty, id, pane };
+export { breaks, empty, free, work, id, pane };

@@ -8,8 +8,10 @@ import type { Deed, Order } from "./protocol";
 import { ball } from "./simulator";
 import type { Bench } from "./tools";
 
-/** The worker is ahead of the picture by at most so many frames: what is thrown is seen soon. */
+/** The worker is ahead of the picture by two frames, so that what is thrown is seen soon; by more where
+ * pictures take longer than frames, so that time passes all the same. */
 export const AHEAD = 2;
+export const MOST_AHEAD = 8;
 /** The farthest pieces of a burst fly so fast: half a metre before they fall as far [m/s]. */
 const BURST = 2;
 
@@ -95,7 +97,7 @@ export class WorldBench implements Bench {
 
   /** Shows the last frames, if earlier ones are looked at; the frame that is shown. */
   private atEnd(player: Player, footage: LiveFootage): number {
-    if (player.clock.time < footage.frames - AHEAD) player.clock.seek(footage.frames);
+    if (player.clock.time < footage.frames - MOST_AHEAD) player.clock.seek(footage.frames);
     return player.clock.frame;
   }
 }

@@ -2,7 +2,7 @@
 import { DataArrayTexture } from "three";
 import { element } from "../panel";
 import { Player } from "../player";
-import { AHEAD, WorldBench } from "./bench";
+import { AHEAD, MOST_AHEAD, WorldBench } from "./bench";
 import { readMesh } from "./drop";
 import { LiveFootage } from "./live";
 import type { Order, Story, Told } from "./protocol";
@@ -148,9 +148,12 @@ class Playground {
   private goOn(): void {
     const { player, footage } = this;
     if (player === null || footage === null || this.busy > 0 || this.filming || !player.clock.playing) return;
-    const missing = Math.ceil(player.clock.time) + AHEAD - footage.frames;
-    if (missing > 0) this.tools.order();
-    if (missing > 0) this.order({ kind: "step", frames: Math.min(missing, AHEAD) });
+    const framesAPicture = (this.fps * player.clock.speed) / Math.max(this.pictures.length, 1);
+    const ahead = Math.min(Math.max(Math.ceil(framesAPicture), AHEAD), MOST_AHEAD);
+    const missing = Math.ceil(player.clock.time) + ahead - footage.frames;
+    if (missing <= 0) return;
+    this.tools.order();
+    this.order({ kind: "step", frames: Math.min(missing, ahead) });
   }
 
   private show(): void {
