@@ -12,6 +12,7 @@ use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::narrow_phase::seams::mend_seams;
 use crate::penetration::penetration;
 use crate::relative_motion::Placed;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Pair, Pose};
@@ -75,9 +76,12 @@ impl ManifoldFinder {
             ConvexShape::of(&bodies.shapes[pair.first]),
             ConvexShape::of(&bodies.shapes[pair.second]),
         ];
-        if !compound_points(pair_motion, scratch, points)
-            && !exact_points(pair_motion, convex_shapes, scratch, points)
-        {
+        let is_exact = compound_points(pair_motion, scratch, points)
+            || exact_points(pair_motion, convex_shapes, scratch, points) && {
+                mend_seams(pair_motion, convex_shapes, [None; 2], 0, scratch, points);
+                true
+            };
+        if !is_exact {
             let candidates = find_candidates(pair_motion);
             let chosen = choose(&candidates, has_carried);
             let chosen: Vec<ManifoldPoint> =

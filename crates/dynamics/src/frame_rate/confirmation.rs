@@ -43,6 +43,7 @@ impl<I: Instructions> Group<I> {
 
         let substep = Frame { dt: self.h, ..*frame };
         let (selections, solver_bodies) = (&self.selections, &self.bodies);
+        let neighbours = &self.speculative.neighbours;
         let detect = |finder: &mut ManifoldFinder, manifold: u32| {
             let Manifold { pair, points } = manifolds[manifold as usize];
             let lines = selections[first_of(selections, manifold)].lines;
@@ -56,7 +57,8 @@ impl<I: Instructions> Group<I> {
             // A touch as the frame ends may pass on in the next one.
             let ahead = time_left + substep.dt;
             let pair_motion =
-                PairMotion::of_substep(bodies, pair, [&first, &second], &substep, (ahead, near));
+                PairMotion::of_substep(bodies, pair, [&first, &second], &substep, (ahead, near))
+                    .among(neighbours);
             let found = finder.of_motion(&pair_motion, |_| false);
             found.map_or(Vec::new(), |manifold| manifold.points.to_vec())
         };

@@ -5,7 +5,7 @@ use super::constraints::{NEAR, Source};
 use super::contact_batch::ContactBatch;
 use super::touching::Place;
 use frangible_bodies::{Bodies, Frame};
-use frangible_collision::{FeatureId, Manifold, ManifoldPoint, has_many_normals};
+use frangible_collision::{FeatureId, FixedNeighbours, Manifold, ManifoldPoint, has_many_normals};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,6 +31,8 @@ pub(super) struct SpeculativeContacts {
     replaced: Vec<Replaced>,
     /// Points of the manifolds that were detected again, by manifold.
     pub(super) points: BTreeMap<u32, Vec<ManifoldPoint>>,
+    /// Fixed bodies of the group's pairs.
+    pub(super) neighbours: FixedNeighbours,
 }
 
 /// A constraint that was detected again.
@@ -75,7 +77,11 @@ impl BatchFlags {
 
 impl SpeculativeContacts {
     /// `places` has the batch and lane of each constraint.
-    pub(super) fn new<I>(batches: &[ContactBatch<I>], places: Vec<Place>) -> Self {
+    pub(super) fn new<I>(
+        batches: &[ContactBatch<I>],
+        places: Vec<Place>,
+        neighbours: FixedNeighbours,
+    ) -> Self {
         Self {
             batches: (0..batches.len()).filter(|&at| batches[at].unconfirmed.any()).collect(),
             asking: BatchFlags::below(batches.len()),
@@ -85,6 +91,7 @@ impl SpeculativeContacts {
             confirmed: Vec::new(),
             passing: Vec::new(),
             points: BTreeMap::new(),
+            neighbours,
         }
     }
 
