@@ -56,6 +56,22 @@ pub(crate) fn mend_seams(
         points[at..].sort_by_key(|point| point.normal.dot(normal) < SAME_NORMAL);
         let count = points[at..].partition_point(|point| point.normal.dot(normal) >= SAME_NORMAL);
         let end = at + count.max(1);
+        if std::env::var("DBG").is_ok() {
+            for q in &points[at..end] {
+                eprintln!(
+                    "pair {:?} t? n {:.4?} on {:.5?} gap {:.6} appr {:.3} plane {:?} width {:.6} nb {:?}",
+                    pair_motion.pair,
+                    q.normal,
+                    q.on_surfaces_at([&pair_motion.paths[0].start, &pair_motion.paths[1].start])
+                        [seams.side],
+                    q.gap,
+                    q.approach,
+                    seams.plane_over(&points[at..end]).map(|p| p.normal),
+                    seams.width,
+                    pair_motion.neighbours
+                );
+            }
+        }
         match seams.plane_over(&points[at..end]) {
             Some(plane) => {
                 planes.push(plane);
