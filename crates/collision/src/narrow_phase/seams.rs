@@ -11,7 +11,7 @@ use frangible_geometry::{Compound, HalfSpace};
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
-/// Depth under a face, and width of a gap to the next one, up to which a seam is a seam, in
+/// Overlap with a face, and width of a gap to the next one, up to which a seam is a seam, in
 /// overlaps of grazing [1]. Faces that differ in height by one such overlap lie in one plane.
 const WIDTH: f64 = 5.0;
 
@@ -56,22 +56,6 @@ pub(crate) fn mend_seams(
         points[at..].sort_by_key(|point| point.normal.dot(normal) < SAME_NORMAL);
         let count = points[at..].partition_point(|point| point.normal.dot(normal) >= SAME_NORMAL);
         let end = at + count.max(1);
-        if std::env::var("DBG").is_ok() {
-            for q in &points[at..end] {
-                eprintln!(
-                    "pair {:?} t? n {:.4?} on {:.5?} gap {:.6} appr {:.3} plane {:?} width {:.6} nb {:?}",
-                    pair_motion.pair,
-                    q.normal,
-                    q.on_surfaces_at([&pair_motion.paths[0].start, &pair_motion.paths[1].start])
-                        [seams.side],
-                    q.gap,
-                    q.approach,
-                    seams.plane_over(&points[at..end]).map(|p| p.normal),
-                    seams.width,
-                    pair_motion.neighbours
-                );
-            }
-        }
         match seams.plane_over(&points[at..end]) {
             Some(plane) => {
                 planes.push(plane);
@@ -132,8 +116,12 @@ impl<'a> Seams<'a> {
             if self.side == 0 { point.anchor_first } else { point.anchor_second }
         };
         let mut best: Option<(f64, HalfSpace)> = None;
-        visit_faces(&self.fixed, at(&points[0]), self.width, |plane, corners| {
-            let is_near = |point: &ManifoldPoint| plane.distance(at(point)).abs() <= self.width;
+        // On its way a body sinks into what bears it, and meets a side further down.
+        let deepest = self.width + self.pair_motion.reach;
+        visit_faces(&self.fixed, at(&points[0]), deepest, |plane, corners| {
+            let is_near = |point: &ManifoldPoint| {
+                (-deepest..=self.width).contains(&plane.distance(at(point)))
+            };
             let aside = outward - outward.dot(plane.normal) * plane.normal;
             let Some(aside) = aside.try_normalize() else { return };
             if outward.dot(plane.normal) >= SAME_NORMAL
