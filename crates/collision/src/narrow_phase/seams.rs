@@ -15,8 +15,8 @@ use glam::DVec3;
 /// overlaps of grazing [1]. Faces that differ in height by one such overlap lie in one plane.
 const WIDTH: f64 = 5.0;
 
-/// Cosine between normals that count as the same [1].
-const SAME_NORMAL: f64 = 1.0 - 1e-5;
+/// Cosine between normals that count as the same [1]: a ten-thousandth of a radian.
+const SAME_NORMAL: f64 = 1.0 - 5e-9;
 
 /// Cosine between normals of faces in one plane [1].
 const FLAT: f64 = 0.9998;
