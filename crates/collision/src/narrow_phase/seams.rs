@@ -21,6 +21,10 @@ const SAME_NORMAL: f64 = 1.0 - 5e-9;
 /// Cosine between normals of faces in one plane [1].
 const FLAT: f64 = 0.9998;
 
+/// Cosine of the angle to a face of a convex body up to which a normal over it is that of a body
+/// that leans [1].
+const LEANS: f64 = 0.98;
+
 /// A part of a compound, by its number.
 pub(crate) type OfCompound<'a> = Option<(&'a Compound, usize)>;
 
@@ -89,8 +93,7 @@ impl<'a> Seams<'a> {
         if pair_motion.neighbours.is_empty() && parts[side].is_none() {
             return None;
         }
-        let is_mesh = |shape: &ConvexShape| matches!(shape, ConvexShape::Mesh(_));
-        let has_faces = matches!(shapes[side], ConvexShape::Hull(_)) || is_mesh(&shapes[side]);
+        let has_faces = matches!(shapes[side], ConvexShape::Hull(_) | ConvexShape::Mesh(_));
         let mover = shapes[1 - side];
         let is_round_or_hull =
             matches!(mover, ConvexShape::Ball(_) | ConvexShape::Hull(_) | ConvexShape::Revolved(_));
@@ -132,15 +135,22 @@ impl<'a> Seams<'a> {
             }
             let height = self.height(&plane);
             let is_better = best.is_none_or(|(best, _)| height > best);
+            // A body that leans a little has its own face's normal at edges that it only passes.
+            let leans = self.is_convex() && outward.dot(plane.normal) >= LEANS;
             let goes_on = |point: &ManifoldPoint| {
                 let foot = at(point) - plane.distance(at(point)) * plane.normal;
-                self.goes_on(foot, plane.normal, aside)
+                let is_inner = || reaches(corners, foot, aside, self.width);
+                leans && is_inner() || self.goes_on(foot, plane.normal, aside)
             };
             if height >= -self.width && is_better && points.iter().all(goes_on) {
                 best = Some((height, plane));
             }
         });
         best.map(|(_, plane)| plane)
+    }
+
+    fn is_convex(&self) -> bool {
+        matches!(self.fixed, ConvexShape::Hull(_))
     }
 
     /// The plane's normal in the world, from the second body to the first.
@@ -180,7 +190,7 @@ impl<'a> Seams<'a> {
             visit_faces(shape, foot, self.width, |plane, corners| {
                 goes_on |= plane.normal.dot(normal) >= FLAT
                     && plane.distance(foot).abs() <= self.flush
-                    && corners.iter().any(|&corner| aside.dot(corner - foot) > self.width)
+                    && reaches(corners, foot, aside, self.width)
                     && outside(foot, &plane, corners) <= self.width;
             });
             goes_on
@@ -243,6 +253,11 @@ fn visit_faces(
         }
         _ => {}
     }
+}
+
+/// True if a face reaches further than `width` [m] from a point in a direction.
+fn reaches(corners: &[DVec3], from: DVec3, direction: DVec3, width: f64) -> bool {
+    corners.iter().any(|&corner| direction.dot(corner - from) > width)
 }
 
 /// Distance of a point from a convex face in its plane, negative inside; at its corners less [m].
