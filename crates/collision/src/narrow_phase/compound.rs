@@ -41,7 +41,7 @@ pub(crate) fn compound_points(
         let of_compounds =
             [0, 1].map(|side| compounds[side].and_then(|of| parts[side].map(|part| (of, part))));
         let shapes = [convex_shape(0), convex_shape(1)];
-        mend_seams(pair_motion, shapes, of_compounds, 0, scratch, &mut of_parts);
+        mend_seams(pair_motion, shapes, of_compounds, scratch, &mut of_parts);
         for point in &of_parts {
             let is_inner = |side: usize| {
                 let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {
