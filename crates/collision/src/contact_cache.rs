@@ -21,7 +21,7 @@ use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::hull_point::HullPoint;
 use crate::narrow_phase::hull_plane::plane_points;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::seams::mend_seams;
+use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::relative_motion::{moved, moved_between, placed, second_from_first};
 use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
 use frangible_math::threads;
@@ -76,7 +76,7 @@ impl ContactCache {
         let flights = threads::list(bodies.len(), |i| BallisticPath::of(bodies, i, frame));
         let shapes = threads::list(bodies.len(), |i| CollisionShape::of(&bodies.shapes[i]));
         let indices = self.begin_frame(bodies, &flights);
-        let neighbours = FixedNeighbours::of_pairs(bodies, pairs.iter().copied());
+        let neighbours = FixedNeighbours::of_world(bodies, pairs.iter().copied());
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.chunks);
         self.chunks.resize_with(count, CacheChunk::default);

@@ -14,5 +14,6 @@ pub(crate) mod pair_motion;
 pub(crate) mod pair_separation;
 pub(crate) mod revolved;
 pub(crate) mod samples;
+pub(crate) mod seam_contacts;
 pub(crate) mod seams;
 pub(crate) mod sphere;

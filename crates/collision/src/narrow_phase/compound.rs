@@ -7,7 +7,7 @@ use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::seams::mend_seams;
+use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 

@@ -13,7 +13,7 @@ use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
-use crate::narrow_phase::seams::mend_seams;
+use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::penetration::penetration;
 use crate::relative_motion::Placed;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Pair, Pose};

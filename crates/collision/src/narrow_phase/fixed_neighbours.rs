@@ -11,7 +11,14 @@ pub struct FixedNeighbours {
 }
 
 impl FixedNeighbours {
-    /// From all pairs that may touch.
+    /// The same as [`Self::of_pairs`] for the pairs of a whole world: most have one fixed body, the
+    /// ground, and there is nothing to sort.
+    pub fn of_world(bodies: &Bodies, pairs: impl Iterator<Item = Pair>) -> Self {
+        let mut fixed = bodies.inertias.iter().filter(|inertia| inertia.is_infinite());
+        if fixed.nth(1).is_none() { Self::default() } else { Self::of_pairs(bodies, pairs) }
+    }
+
+    /// From all pairs that may touch, some of them more than once.
     pub fn of_pairs(bodies: &Bodies, pairs: impl Iterator<Item = Pair>) -> Self {
         let is_fixed = |i: usize| bodies.inertias[i].is_infinite();
         let with_fixed = |Pair { first, second }: Pair| match (is_fixed(first), is_fixed(second)) {
@@ -21,6 +28,7 @@ impl FixedNeighbours {
         };
         let mut all: Vec<(u32, u32)> = pairs.filter_map(with_fixed).collect();
         all.sort_unstable();
+        all.dedup();
         let several = all.chunk_by(|a, b| a.0 == b.0).filter(|of_one| of_one.len() > 1);
         let (of, fixed) = several.flatten().copied().unzip();
         Self { of, fixed }

@@ -6,7 +6,7 @@ use super::constraints::{SAME_NORMAL, Selection, Source};
 use super::group::Group;
 use super::solver_bodies::SolverBodies;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Motion, Pair};
-use frangible_collision::{Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
+use frangible_collision::{FixedNeighbours, Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
 use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
 
@@ -43,7 +43,9 @@ impl<I: Instructions> Group<I> {
 
         let substep = Frame { dt: self.h, ..*frame };
         let (selections, solver_bodies) = (&self.selections, &self.bodies);
-        let neighbours = &self.speculative.neighbours;
+        let pairs = selections.iter().map(|known| manifolds[known.manifold as usize].pair);
+        let of_group = || FixedNeighbours::of_pairs(bodies, pairs);
+        let neighbours = self.speculative.neighbours.get_or_init(of_group);
         let detect = |finder: &mut ManifoldFinder, manifold: u32| {
             let Manifold { pair, points } = manifolds[manifold as usize];
             let lines = selections[first_of(selections, manifold)].lines;

@@ -11,7 +11,7 @@ use super::speculative_contacts::{SpeculativeContacts, is_confirmed};
 use super::timeline::Timeline;
 use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame};
-use frangible_collision::{CachedImpulse, FixedNeighbours, Manifold};
+use frangible_collision::{CachedImpulse, Manifold};
 use frangible_math::{Instructions, LANES, Single, prefetch, threads};
 use glam::Vec3;
 use std::cell::OnceCell;
@@ -125,9 +125,7 @@ impl<I: Instructions> Group<I> {
                 }
             }
         }
-        let pairs = members.iter().map(|&number| manifolds[number].pair);
-        let neighbours = FixedNeighbours::of_pairs(bodies, pairs);
-        let speculative = SpeculativeContacts::new(&batches, places, neighbours);
+        let speculative = SpeculativeContacts::new(&batches, places);
         Self {
             bodies: SolverBodies::new(bodies, body_of, frame.dt),
             selections,

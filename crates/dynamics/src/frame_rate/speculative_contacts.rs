@@ -7,6 +7,7 @@ use super::touching::Place;
 use frangible_bodies::{Bodies, Frame};
 use frangible_collision::{FeatureId, FixedNeighbours, Manifold, ManifoldPoint, has_many_normals};
 use glam::DVec3;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -31,8 +32,8 @@ pub(super) struct SpeculativeContacts {
     replaced: Vec<Replaced>,
     /// Points of the manifolds that were detected again, by manifold.
     pub(super) points: BTreeMap<u32, Vec<ManifoldPoint>>,
-    /// Fixed bodies of the group's pairs.
-    pub(super) neighbours: FixedNeighbours,
+    /// Fixed bodies of the group's pairs. Built on first use.
+    pub(super) neighbours: OnceCell<FixedNeighbours>,
 }
 
 /// A constraint that was detected again.
@@ -77,11 +78,7 @@ impl BatchFlags {
 
 impl SpeculativeContacts {
     /// `places` has the batch and lane of each constraint.
-    pub(super) fn new<I>(
-        batches: &[ContactBatch<I>],
-        places: Vec<Place>,
-        neighbours: FixedNeighbours,
-    ) -> Self {
+    pub(super) fn new<I>(batches: &[ContactBatch<I>], places: Vec<Place>) -> Self {
         Self {
             batches: (0..batches.len()).filter(|&at| batches[at].unconfirmed.any()).collect(),
             asking: BatchFlags::below(batches.len()),
@@ -91,7 +88,7 @@ impl SpeculativeContacts {
             confirmed: Vec::new(),
             passing: Vec::new(),
             points: BTreeMap::new(),
-            neighbours,
+            neighbours: OnceCell::new(),
         }
     }
 

@@ -53,7 +53,7 @@ pub fn find_impact_chain(
         deviations[pair.first].against(pair.second) + deviations[pair.second].against(pair.first)
     };
     let all = swept.pairs.iter().chain(&more).copied();
-    let neighbours = FixedNeighbours::of_pairs(bodies, all.clone());
+    let neighbours = FixedNeighbours::of_world(bodies, all.clone());
     let mut pairs: Vec<(Pair, f64)> =
         all.map(|pair| (pair, further(&pair))).filter(|&(_, further)| further > 0.0).collect();
     pairs.sort_unstable_by_key(|&(pair, _)| pair);
