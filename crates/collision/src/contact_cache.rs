@@ -16,10 +16,12 @@ use crate::manifold::list::{Found, Manifolds};
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::core::core_points;
 use crate::narrow_phase::finder::ManifoldFinder;
+use crate::narrow_phase::fixed_neighbours::FixedNeighbours;
 use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::hull_point::HullPoint;
 use crate::narrow_phase::hull_plane::plane_points;
 use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::relative_motion::{moved, moved_between, placed, second_from_first};
 use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
 use frangible_math::threads;
@@ -74,6 +76,7 @@ impl ContactCache {
         let flights = threads::list(bodies.len(), |i| BallisticPath::of(bodies, i, frame));
         let shapes = threads::list(bodies.len(), |i| CollisionShape::of(&bodies.shapes[i]));
         let indices = self.begin_frame(bodies, &flights);
+        let neighbours = FixedNeighbours::of_world(bodies, pairs.iter().copied());
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.chunks);
         self.chunks.resize_with(count, CacheChunk::default);
@@ -89,7 +92,10 @@ impl ContactCache {
         let mut shares: Vec<(Share, &[Pair])> = buffers
             .zip(pairs.chunks(SHARE))
             .map(|(((chunk, finder), found), pairs)| {
-                (Share { paths, shapes: &shapes, chunk, finder, found }, pairs)
+                (
+                    Share { paths, shapes: &shapes, neighbours: &neighbours, chunk, finder, found },
+                    pairs,
+                )
             })
             .collect();
         let find = |(share, pairs): &mut (Share, &[Pair])| {
@@ -127,6 +133,7 @@ struct Look<'a> {
 struct Share<'a> {
     paths: &'a [PathLength],
     shapes: &'a [CollisionShape<'a>],
+    neighbours: &'a FixedNeighbours,
     chunk: &'a mut CacheChunk,
     finder: &'a mut ManifoldFinder,
     found: &'a mut Found,
@@ -151,6 +158,7 @@ impl Share<'_> {
         let pair_motion = |pair: Pair| {
             PairMotion::new(bodies, pair, [&flights[pair.first], &flights[pair.second]], frame)
         };
+        let neighbours = self.neighbours;
         for &pair in pairs {
             let pair_motion = pair_motion(pair);
             if pair_motion.is_out_of_reach() {
@@ -185,9 +193,10 @@ impl Share<'_> {
             if let Some(convex_shapes) =
                 CollisionShape::cacheable([&self.shapes[pair.first], &self.shapes[pair.second]])
             {
-                self.refresh(pair_motion, convex_shapes);
+                self.refresh(pair_motion.among(neighbours), convex_shapes);
                 continue;
             }
+            let pair_motion = pair_motion.among(neighbours);
             let has_carried = |feature| warm.get(bodies, pair, feature).is_some();
             if let Some(manifold) = self.finder.of_motion(&pair_motion, has_carried) {
                 self.found.add(pair, manifold.points.iter().copied());
@@ -257,6 +266,9 @@ impl Share<'_> {
             }
             _ => None,
         };
+        // Points of a seam belong to this frame.
+        let is_seam = mend_seams(&pair_motion, convex_shapes, [None; 2], scratch, points);
+        let separation_bound = separation_bound.filter(|_| !is_seam);
         core_points(&pair_motion, convex_shapes, points);
         let begin = self.chunk.points.len();
         let normal_of = |hull_point: &HullPoint| match convex_shapes[0] {

@@ -20,6 +20,7 @@ pub use manifold::list::Manifolds;
 pub use manifold::{FeatureId, Manifold, ManifoldPoint};
 pub use narrow_phase::convex_shape::has_many_normals;
 pub use narrow_phase::finder::{ManifoldFinder, find_manifolds};
+pub use narrow_phase::fixed_neighbours::FixedNeighbours;
 pub use narrow_phase::pair_motion::PairMotion;
 pub use narrow_phase::samples::{
     ContactPoint, NearSamples, Penetration, contact_point, deepest, overlap,

@@ -7,6 +7,7 @@ use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 
@@ -37,6 +38,10 @@ pub(crate) fn compound_points(
         if !exact_points(pair_motion, [convex_shape(0), convex_shape(1)], scratch, &mut of_parts) {
             return false;
         }
+        let of_compounds =
+            [0, 1].map(|side| compounds[side].and_then(|of| parts[side].map(|part| (of, part))));
+        let shapes = [convex_shape(0), convex_shape(1)];
+        mend_seams(pair_motion, shapes, of_compounds, scratch, &mut of_parts);
         for point in &of_parts {
             let is_inner = |side: usize| {
                 let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {

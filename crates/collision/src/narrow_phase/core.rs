@@ -4,6 +4,7 @@
 use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::seams::Seams;
 use crate::narrow_phase::sphere::BallContact;
 use frangible_bodies::BallisticPath;
 use glam::DVec3;
@@ -53,8 +54,16 @@ pub(crate) fn core_points(
         }
         let core =
             BallContact { pair_motion, ball_is_first: side == 0, radius, other, is_core: true };
-        let point = core
-            .point()
+        let point = core.point().and_then(|point| {
+            let mut shapes = convex_shapes;
+            shapes[side] = ConvexShape::Ball(radius);
+            let seams = Seams::new(pair_motion, shapes, [None; 2]);
+            match seams.and_then(|seams| seams.plane_over(&[point])) {
+                Some(plane) => BallContact { other: ConvexShape::Ground(plane), ..core }.point(),
+                None => Some(point),
+            }
+        });
+        let point = point
             .filter(|point| point.gap <= pair_motion.near + pair_motion.ahead * point.approach);
         let feature = FeatureId { is_of_first: side == 0, index: u64::MAX };
         points.extend(point.map(|point| ManifoldPoint { feature, ..point }));

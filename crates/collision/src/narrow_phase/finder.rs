@@ -8,10 +8,12 @@ use crate::narrow_phase::compound::compound_points;
 use crate::narrow_phase::convex_pairs::exact_points;
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::core::{core_points, turns_far};
+use crate::narrow_phase::fixed_neighbours::FixedNeighbours;
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
+use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::penetration::penetration;
 use crate::relative_motion::Placed;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Pair, Pose};
@@ -27,8 +29,12 @@ pub fn find_manifolds(
     frame: &Frame,
 ) -> Manifolds {
     let (mut finder, mut found) = (ManifoldFinder::default(), Found::default());
+    let neighbours = FixedNeighbours::of_pairs(bodies, pairs.iter().copied());
     for &pair in pairs {
-        if let Some(manifold) = finder.find(bodies, pair, warm, frame) {
+        let [first, second] = BallisticPath::of_pair(bodies, pair, frame);
+        let has_carried = |feature| warm.get(bodies, pair, feature).is_some();
+        let pair_motion = PairMotion::new(bodies, pair, [&first, &second], frame);
+        if let Some(manifold) = finder.of_motion(&pair_motion.among(&neighbours), has_carried) {
             found.add(pair, manifold.points.iter().copied());
         }
     }
@@ -43,8 +49,8 @@ pub struct ManifoldFinder {
 }
 
 impl ManifoldFinder {
-    /// Manifold of a pair that may touch within the frame. Points in `warm` had an impulse in the
-    /// last frame.
+    /// Manifold of a pair that may touch within the frame, without what stands beside it. Points in
+    /// `warm` had an impulse in the last frame.
     pub fn find(
         &mut self,
         bodies: &Bodies,
@@ -75,9 +81,11 @@ impl ManifoldFinder {
             ConvexShape::of(&bodies.shapes[pair.first]),
             ConvexShape::of(&bodies.shapes[pair.second]),
         ];
-        if !compound_points(pair_motion, scratch, points)
-            && !exact_points(pair_motion, convex_shapes, scratch, points)
-        {
+        // The parts of compounds mend their own seams.
+        let is_compound = compound_points(pair_motion, scratch, points);
+        if !is_compound && exact_points(pair_motion, convex_shapes, scratch, points) {
+            mend_seams(pair_motion, convex_shapes, [None; 2], scratch, points);
+        } else if !is_compound {
             let candidates = find_candidates(pair_motion);
             let chosen = choose(&candidates, has_carried);
             let chosen: Vec<ManifoldPoint> =

@@ -1,5 +1,6 @@
 //! Relative ballistic motion of two bodies in a frame.
 
+use crate::narrow_phase::fixed_neighbours::FixedNeighbours;
 use crate::narrow_phase::samples::ContactPoint;
 use crate::relative_motion::Placed;
 use frangible_bodies::BallisticPath;
@@ -40,6 +41,8 @@ pub struct PairMotion<'a> {
     pub(crate) ahead: f64,
     /// True from a substep on, false from the frame's start on.
     pub(crate) is_substep: bool,
+    /// Dense indices of the fixed bodies that the pair's moving body may meet; none for one alone.
+    pub(crate) neighbours: &'a [u32],
 }
 
 /// Overlap up to which a pair only grazes, relative to the smaller body's radius [1]: twice the
@@ -86,6 +89,7 @@ impl<'a> PairMotion<'a> {
             size,
             ahead: frame.dt,
             is_substep: false,
+            neighbours: &[],
         }
     }
 
@@ -110,6 +114,12 @@ impl<'a> PairMotion<'a> {
         let further = faster * self.frame.dt;
         let (near, reach) = (self.near + further, self.reach + further);
         Self { near, reach, search: reach, faster, ..self }
+    }
+
+    /// With the fixed bodies that the pair's moving body may meet.
+    #[inline]
+    pub fn among(self, neighbours: &'a FixedNeighbours) -> Self {
+        Self { neighbours: neighbours.of_pair(self.pair), ..self }
     }
 
     /// Both bodies at the frame's start.

@@ -6,7 +6,7 @@ use super::constraints::{SAME_NORMAL, Selection, Source};
 use super::group::Group;
 use super::solver_bodies::SolverBodies;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Motion, Pair};
-use frangible_collision::{Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
+use frangible_collision::{FixedNeighbours, Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
 use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
 
@@ -43,6 +43,9 @@ impl<I: Instructions> Group<I> {
 
         let substep = Frame { dt: self.h, ..*frame };
         let (selections, solver_bodies) = (&self.selections, &self.bodies);
+        let pairs = selections.iter().map(|known| manifolds[known.manifold as usize].pair);
+        let of_group = || FixedNeighbours::of_pairs(bodies, pairs);
+        let neighbours = self.speculative.neighbours.get_or_init(of_group);
         let detect = |finder: &mut ManifoldFinder, manifold: u32| {
             let Manifold { pair, points } = manifolds[manifold as usize];
             let lines = selections[first_of(selections, manifold)].lines;
@@ -56,7 +59,8 @@ impl<I: Instructions> Group<I> {
             // A touch as the frame ends may pass on in the next one.
             let ahead = time_left + substep.dt;
             let pair_motion =
-                PairMotion::of_substep(bodies, pair, [&first, &second], &substep, (ahead, near));
+                PairMotion::of_substep(bodies, pair, [&first, &second], &substep, (ahead, near))
+                    .among(neighbours);
             let found = finder.of_motion(&pair_motion, |_| false);
             found.map_or(Vec::new(), |manifold| manifold.points.to_vec())
         };

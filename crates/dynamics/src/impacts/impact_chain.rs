@@ -8,7 +8,9 @@ mod swept_spheres;
 use crate::impacts::impact_chain::swept_spheres::SweptSpheres;
 use deviation::Deviation;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Pair, Pose};
-use frangible_collision::{ImpulseCache, ManifoldFinder, Manifolds, PairMotion, Swept};
+use frangible_collision::{
+    FixedNeighbours, ImpulseCache, ManifoldFinder, Manifolds, PairMotion, Swept,
+};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
@@ -51,6 +53,7 @@ pub fn find_impact_chain(
         deviations[pair.first].against(pair.second) + deviations[pair.second].against(pair.first)
     };
     let all = swept.pairs.iter().chain(&more).copied();
+    let neighbours = FixedNeighbours::of_world(bodies, all.clone());
     let mut pairs: Vec<(Pair, f64)> =
         all.map(|pair| (pair, further(&pair))).filter(|&(_, further)| further > 0.0).collect();
     pairs.sort_unstable_by_key(|&(pair, _)| pair);
@@ -66,7 +69,8 @@ pub fn find_impact_chain(
         });
         if !touches {
             let [first, second] = BallisticPath::of_pair(bodies, pair, frame);
-            let pair_motion = PairMotion::new(bodies, pair, [&first, &second], frame);
+            let pair_motion =
+                PairMotion::new(bodies, pair, [&first, &second], frame).among(&neighbours);
             let has_carried = |feature| warm.get(bodies, pair, feature).is_some();
             let pair_motion = pair_motion.with_speed_gain(further / frame.dt);
             if let Some(manifold) = finder.of_motion(&pair_motion, has_carried) {

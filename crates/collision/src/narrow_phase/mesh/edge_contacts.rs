@@ -217,7 +217,7 @@ impl EdgePair<'_> {
                 on_body,
                 rounding: 0.0,
                 on_mesh,
-                normal,
+                normal: self.edge.within_arc(normal),
                 time,
                 feature: feature_of(Meets::EdgeOnEdge, self.id),
             });

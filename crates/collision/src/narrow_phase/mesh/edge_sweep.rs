@@ -55,6 +55,15 @@ impl MeshEdge {
             && self.front.is_none_or(|front| front.dot(direction) >= -aside)
     }
 
+    /// The normal of the triangle over which a direction leans, or the direction.
+    pub(crate) fn within_arc(&self, direction: DVec3) -> DVec3 {
+        let Some(into) = self.into.iter().find(|into| into.dot(direction) > 0.0) else {
+            return direction;
+        };
+        let normal = into.cross(self.along);
+        if normal.dot(direction) < 0.0 { -normal } else { normal }
+    }
+
     /// The normal of one of the triangles, if a direction hardly differs from it, or else the
     /// direction.
     pub(crate) fn flush(&self, direction: DVec3) -> DVec3 {

@@ -203,7 +203,7 @@ impl RoundMesh<'_> {
         if is_border && self.passes_over(mesh.normal(triangle), edge.ends[0], (normal, time)) {
             return;
         }
-        Self::push(&segment, &met, id, contacts);
+        Self::push(&segment, &met, (&edge, id), contacts);
     }
 
     /// The contact with a corner that stands out.
@@ -279,12 +279,21 @@ impl RoundMesh<'_> {
         is_met.then_some(Met { of, separation: found, time: touch.time })
     }
 
-    fn push(segment: &PlacedRevolved, met: &Met, id: u64, contacts: &mut Vec<MeshContact>) {
+    /// Appends the contacts with an edge, along normals at which it stands out.
+    fn push(
+        segment: &PlacedRevolved,
+        met: &Met,
+        (edge, id): (&MeshEdge, u64),
+        contacts: &mut Vec<MeshContact>,
+    ) {
         let Met { of, separation, time } = met;
         let (round, partner) = (of.placed(*time), Partner::Revolved(*segment));
         let at = (*separation, *time);
         let points = of.points(&round, &partner, at, |instant, found| instant.points(found));
-        for point in &points {
+        let stands_out = |point: &&RoundPoint| {
+            point.normal == separation.normal || edge.stands_out(point.normal, ASIDE)
+        };
+        for point in points.iter().filter(stands_out) {
             let feature = (Meets::EdgeOnEdge, id + point.id);
             contacts.extend(of.contact(point, *time, feature));
         }

@@ -151,8 +151,11 @@ impl RoundPair<'_> {
             touch: 0.0,
             near: pair_motion.near,
         };
-        let nearest = meeting.grazed(at(touch.time, touch.normal), grazing);
-        nearest.filter(|near| near.normal.dot(touch.normal) < SAME_NORMAL).unwrap_or(touch)
+        let from = at(touch.time, touch.normal);
+        let Some(near) = meeting.grazed(from, grazing) else { return touch };
+        // Later the body may be beside what bears it now.
+        let is_same = |known: &Apart| near.normal.dot(known.normal) >= SAME_NORMAL;
+        [touch, from].into_iter().find(is_same).unwrap_or(near)
     }
 
     /// Paths of the body of revolution and of its partner.

@@ -100,6 +100,14 @@ impl PlacedRevolved {
         self.center(end) + part * across
     }
 
+    /// Signed distance [m] of a point from this body, whose shape is `surface`, and its gradient.
+    pub(crate) fn distance_and_gradient(&self, surface: &Revolved, point: DVec3) -> (f64, DVec3) {
+        let (along, _, away) = self.split(point - self.middle);
+        let radial = self.radial(point - self.middle);
+        let (distance, gradient) = surface.distance_and_gradient(DVec3::new(away, along, 0.0));
+        (distance, gradient.x * radial + gradient.y * self.axis)
+    }
+
     /// The side's outward normal at a direction across the axis.
     #[inline]
     pub(crate) fn side_normal(&self, radial: DVec3) -> DVec3 {

@@ -230,12 +230,11 @@ impl<'a> Instant<'a> {
     ) {
         let (round, normal) = (self.round, self.separation.normal);
         let Some(within) = common_stretch(lines, normal) else { return };
-        // The partner's frame is this one.
         let surface = Revolved { ends: other.ends, rounding: other.rounding };
         for which in 0..=BALLS {
             let part = within[0] + (within[1] - within[0]) * which as f64 / BALLS as f64;
             let ball = hold_on_side(round, lines[0], part, -normal);
-            let (distance, outward) = surface.distance_and_gradient(ball.point);
+            let (distance, outward) = other.distance_and_gradient(&surface, ball.point);
             // At the end of a side a ball reaches beyond it.
             let touching = ball.point - (ball.rounding - round.rounding) * outward;
             let along = (touching - round.middle).dot(round.axis);
@@ -260,7 +259,9 @@ impl<'a> Instant<'a> {
     fn leaves(&self, bodies: [&PlacedRevolved; 2]) -> f64 {
         let radius =
             |body: &PlacedRevolved| body.rounding + body.ends[0].radius.max(body.ends[1].radius);
-        let least = radius(bodies[0]).min(radius(bodies[1]));
+        // An edge is a line, and only the other body curves away from it.
+        let radii = bodies.map(radius).into_iter().filter(|&radius| radius > 0.0);
+        let least = radii.reduce(f64::min).unwrap_or(0.0);
         (2.0 * least * self.close).sqrt()
     }
 

@@ -1,0 +1,231 @@
+//! Seams between fixed bodies, or parts of one, with faces in one plane. A body over such a face
+//! meets the plane there, and neither a side nor an edge that the next face covers.
+
+use crate::manifold::ManifoldPoint;
+use crate::narrow_phase::convex_shape::ConvexShape;
+use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use frangible_geometry::{Compound, HalfSpace};
+use frangible_math::RigidTransform;
+use glam::DVec3;
+
+/// Overlap with a face, and width of a gap to the next one, up to which a seam is a seam, in
+/// overlaps of grazing [1]. Faces that differ in height by one such overlap lie in one plane.
+const WIDTH: f64 = 5.0;
+
+/// Cosine between normals that count as the same [1]: a ten-thousandth of a radian.
+pub(crate) const SAME_NORMAL: f64 = 1.0 - 5e-9;
+
+/// Cosine between normals of faces in one plane [1].
+pub(crate) const FLAT: f64 = 0.9998;
+
+/// Cosine of the angle to a face of a convex body up to which a normal over it is that of a body
+/// that leans [1].
+const LEANS: f64 = 0.98;
+
+/// A part of a compound, by its number.
+pub(crate) type OfCompound<'a> = Option<(&'a Compound, usize)>;
+
+/// A body and a fixed one, or parts of them.
+pub(crate) struct Seams<'a> {
+    pair_motion: &'a PairMotion<'a>,
+    /// Of the fixed body in the pair.
+    pub(crate) side: usize,
+    fixed: ConvexShape<'a>,
+    part: OfCompound<'a>,
+    mover: ConvexShape<'a>,
+    /// [m]
+    flush: f64,
+    width: f64,
+}
+
+impl<'a> Seams<'a> {
+    /// `None` for a pair without seams.
+    pub(crate) fn new(
+        pair_motion: &'a PairMotion<'a>,
+        shapes: [ConvexShape<'a>; 2],
+        parts: [OfCompound<'a>; 2],
+    ) -> Option<Self> {
+        let fixed = pair_motion.pair.both().map(|i| pair_motion.bodies.inertias[i].is_infinite());
+        let side = fixed.into_iter().position(|is_fixed| is_fixed)?;
+        if pair_motion.neighbours.is_empty() && parts[side].is_none() {
+            return None;
+        }
+        let has_faces = matches!(shapes[side], ConvexShape::Hull(_) | ConvexShape::Mesh(_));
+        let mover = shapes[1 - side];
+        let is_round_or_hull =
+            matches!(mover, ConvexShape::Ball(_) | ConvexShape::Hull(_) | ConvexShape::Revolved(_));
+        let flush = pair_motion.grazing();
+        (has_faces && is_round_or_hull).then_some(Self {
+            pair_motion,
+            side,
+            fixed: shapes[side],
+            part: parts[side],
+            mover,
+            flush,
+            width: WIDTH * flush,
+        })
+    }
+
+    /// The plane over which a body meets points of one normal, if neighbours of the fixed body
+    /// cover all of them; in the fixed body's frame.
+    pub(crate) fn plane_over(&self, points: &[ManifoldPoint]) -> Option<HalfSpace> {
+        let world_from_fixed = self.pair_motion.paths[self.side].start.world_from_body();
+        let outward = if self.side == 0 { -points[0].normal } else { points[0].normal };
+        let outward = world_from_fixed.inverse().direction(outward);
+        let at = |point: &ManifoldPoint| {
+            if self.side == 0 { point.anchor_first } else { point.anchor_second }
+        };
+        let mut best: Option<(f64, HalfSpace)> = None;
+        // On its way a body sinks into what bears it, and meets a side further down.
+        let deepest = self.width + self.pair_motion.reach;
+        visit_faces(&self.fixed, at(&points[0]), deepest, |plane, corners| {
+            let is_near = |point: &ManifoldPoint| {
+                (-deepest..=self.width).contains(&plane.distance(at(point)))
+            };
+            let aside = outward - outward.dot(plane.normal) * plane.normal;
+            let Some(aside) = aside.try_normalize() else { return };
+            if outward.dot(plane.normal) >= SAME_NORMAL
+                || !points.iter().all(is_near)
+                || outside(at(&points[0]), &plane, corners) > self.width
+            {
+                return;
+            }
+            let height = self.height(&plane);
+            let is_better = best.is_none_or(|(best, _)| height > best);
+            // A body that leans a little has its own face's normal at edges that it only passes.
+            let leans = self.is_convex() && outward.dot(plane.normal) >= LEANS;
+            let goes_on = |point: &ManifoldPoint| {
+                let foot = at(point) - plane.distance(at(point)) * plane.normal;
+                let is_inner = || reaches(corners, foot, aside, self.width);
+                leans && is_inner() || self.goes_on(foot, plane.normal, aside)
+            };
+            if height >= -self.width && is_better && points.iter().all(goes_on) {
+                best = Some((height, plane));
+            }
+        });
+        best.map(|(_, plane)| plane)
+    }
+
+    fn is_convex(&self) -> bool {
+        matches!(self.fixed, ConvexShape::Hull(_))
+    }
+
+    /// The plane's normal in the world, from the second body to the first.
+    pub(crate) fn normal_of(&self, plane: &HalfSpace) -> DVec3 {
+        let outward = self.pair_motion.paths[self.side].start.orientation * plane.normal;
+        if self.side == 0 { -outward } else { outward }
+    }
+
+    /// Height of the other body over a plane at the start [m].
+    fn height(&self, plane: &HalfSpace) -> f64 {
+        let [fixed, mover] =
+            [self.side, 1 - self.side].map(|side| self.pair_motion.paths[side].start);
+        let fixed_from_mover = fixed.world_from_body().inverse().after(&mover.world_from_body());
+        match self.mover {
+            ConvexShape::Ball(radius) => plane.distance(fixed_from_mover.translation) - radius,
+            ConvexShape::Hull(hull) => hull
+                .vertices()
+                .iter()
+                .map(|&vertex| plane.distance(fixed_from_mover.point(vertex)))
+                .fold(f64::INFINITY, f64::min),
+            ConvexShape::Revolved(ref round) => {
+                let round = PlacedRevolved::new(round, &fixed_from_mover);
+                -round.reach(-plane.normal) - round.rounding - plane.offset
+            }
+            _ => f64::NEG_INFINITY,
+        }
+    }
+
+    /// True if a neighbour's face goes on from a point of the fixed body in a direction of the
+    /// plane.
+    fn goes_on(&self, foot: DVec3, normal: DVec3, aside: DVec3) -> bool {
+        let of_shape = |shape: &ConvexShape, here_from_fixed: &RigidTransform| {
+            let foot = here_from_fixed.point(foot);
+            let (normal, aside) =
+                (here_from_fixed.direction(normal), here_from_fixed.direction(aside));
+            let mut goes_on = false;
+            visit_faces(shape, foot, self.width, |plane, corners| {
+                goes_on |= plane.normal.dot(normal) >= FLAT
+                    && plane.distance(foot).abs() <= self.flush
+                    && reaches(corners, foot, aside, self.width)
+                    && outside(foot, &plane, corners) <= self.width;
+            });
+            goes_on
+        };
+        let of_parts = |compound: &Compound, here_from_fixed: &RigidTransform, but: usize| {
+            let at = here_from_fixed.point(foot);
+            let near = compound.parts_near(at - self.width, at + self.width);
+            near.into_iter().filter(|&part| part != but).any(|part| {
+                of_shape(&ConvexShape::Hull(&compound.parts()[part].hull), here_from_fixed)
+            })
+        };
+        if let Some((compound, part)) = self.part
+            && of_parts(compound, &RigidTransform::IDENTITY, part)
+        {
+            return true;
+        }
+        let PairMotion { bodies, pair, neighbours, .. } = *self.pair_motion;
+        let own = pair.both()[self.side];
+        let world_from_fixed = bodies.poses[own].world_from_body();
+        let foot_world = world_from_fixed.point(foot);
+        neighbours.iter().map(|&other| other as usize).filter(|&other| other != own).any(|other| {
+            let away = bodies.poses[other].position.distance(foot_world);
+            if away > bodies.radii[other] + self.width {
+                return false;
+            }
+            let here_from_fixed =
+                bodies.poses[other].world_from_body().inverse().after(&world_from_fixed);
+            let shape = &*bodies.shapes[other];
+            match shape.compound.as_deref() {
+                Some(compound) => of_parts(compound, &here_from_fixed, usize::MAX),
+                None => of_shape(&ConvexShape::of(shape), &here_from_fixed),
+            }
+        })
+    }
+}
+
+/// Calls `visit` with the plane and the corners of each face near a point [m].
+fn visit_faces(
+    shape: &ConvexShape,
+    near: DVec3,
+    width: f64,
+    mut visit: impl FnMut(HalfSpace, &[DVec3]),
+) {
+    match shape {
+        ConvexShape::Hull(hull) => {
+            let mut corners = Vec::new();
+            for face in hull.faces() {
+                if face.plane.distance(near).abs() <= width {
+                    corners.clear();
+                    corners.extend(face.vertices.iter().map(|&at| hull.vertices()[at as usize]));
+                    visit(face.plane, &corners);
+                }
+            }
+        }
+        ConvexShape::Mesh(mesh) => {
+            mesh.visit_box(near - width, near + width, |triangle| {
+                let (corners, normal) = (mesh.corners(triangle), mesh.normal(triangle));
+                visit(HalfSpace { normal, offset: normal.dot(corners[0]) }, &corners);
+            });
+        }
+        _ => {}
+    }
+}
+
+/// True if a face reaches further than `width` [m] from a point in a direction.
+fn reaches(corners: &[DVec3], from: DVec3, direction: DVec3, width: f64) -> bool {
+    corners.iter().any(|&corner| direction.dot(corner - from) > width)
+}
+
+/// Distance of a point from a convex face in its plane, negative inside; at its corners less [m].
+fn outside(point: DVec3, plane: &HalfSpace, corners: &[DVec3]) -> f64 {
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let beyond = |at: usize| {
+        let (from, to) = (corners[at], corners[(at + 1) % corners.len()]);
+        let across = (to - from).cross(plane.normal).normalize_or_zero();
+        let outward = if across.dot(middle - from) > 0.0 { -across } else { across };
+        outward.dot(point - from)
+    };
+    (0..corners.len()).map(beyond).fold(f64::NEG_INFINITY, f64::max)
+}
