@@ -55,8 +55,8 @@ impl<'a> ConvexShape<'a> {
 }
 
 /// True for bodies whose contacts act without a second look: by samples, or with a plane or
-/// triangles, whose points meet along fixed normals. The side of a cylinder or a cone has points on
-/// its axis, which are right only as long as the body does not turn.
+/// triangles, whose points meet along fixed normals. Bodies of revolution have points on their axis
+/// and at rims, which are right only as long as they do not turn.
 pub fn needs_one_look(shapes: [&Shape; 2]) -> bool {
     let by_parts = shapes.map(ConvexShape::of);
     let has_samples = |side: usize| {
@@ -64,12 +64,10 @@ pub fn needs_one_look(shapes: [&Shape; 2]) -> bool {
     };
     let has_fixed_normals =
         |shape: &ConvexShape| matches!(shape, ConvexShape::Ground(_) | ConvexShape::Mesh(_));
-    let has_side = |shape: &ConvexShape| {
-        matches!(shape, ConvexShape::Revolved(round) if round.ends.iter().any(|end| end.radius > 0.0))
-    };
+    let is_round = |shape: &ConvexShape| matches!(shape, ConvexShape::Revolved(_));
     has_samples(0)
         || has_samples(1)
-        || by_parts.iter().any(has_fixed_normals) && !by_parts.iter().any(has_side)
+        || by_parts.iter().any(has_fixed_normals) && !by_parts.iter().any(is_round)
 }
 
 /// Maximum number of edge pairs of two hulls; beyond, samples are faster than separating axes.
