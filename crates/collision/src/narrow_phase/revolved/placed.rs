@@ -2,7 +2,7 @@
 
 use frangible_geometry::{Revolved, RevolvedEnd};
 use frangible_math::RigidTransform;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// A body of revolution at a place. Its *core* is the hull of both discs, without the rounding.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,15 @@ impl PlacedRevolved {
             rounding: revolved.rounding,
             side: revolved.side_normal(),
         }
+    }
+
+    /// Signed distance of a point from the surface [m], and its unit gradient.
+    pub(crate) fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
+        let here_from_body = DMat3::from_cols(self.across, self.axis, self.across.cross(self.axis));
+        let revolved = Revolved { ends: self.ends, rounding: self.rounding };
+        let (distance, gradient) =
+            revolved.distance_and_gradient(here_from_body.transpose() * (point - self.middle));
+        (distance, here_from_body * gradient)
     }
 
     /// Middle of a disc [m].
