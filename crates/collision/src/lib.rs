@@ -18,7 +18,7 @@ pub use contact_cache::ContactCache;
 pub use impulse_cache::{CachedImpulse, ImpulseCache, ImpulseChunk, PointImpulse};
 pub use manifold::list::Manifolds;
 pub use manifold::{FeatureId, Manifold, ManifoldPoint};
-pub use narrow_phase::convex_shape::has_many_normals;
+pub use narrow_phase::convex_shape::needs_one_look;
 pub use narrow_phase::finder::{ManifoldFinder, find_manifolds};
 pub use narrow_phase::fixed_neighbours::FixedNeighbours;
 pub use narrow_phase::pair_motion::PairMotion;

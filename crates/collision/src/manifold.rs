@@ -15,6 +15,16 @@ pub struct FeatureId {
     pub index: u64,
 }
 
+/// Low bits of the index of the feature that is a ball, or a body's core.
+pub(crate) const BALL_BITS: u64 = (1 << 27) - 1;
+
+impl FeatureId {
+    /// True for a ball, or the ball inside a body that turns far.
+    pub fn is_ball(&self) -> bool {
+        self.index & BALL_BITS == BALL_BITS
+    }
+}
+
 /// One contact point: a point on each body's surface; both coincide at zero gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManifoldPoint {

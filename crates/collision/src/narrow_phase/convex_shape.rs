@@ -54,10 +54,20 @@ impl<'a> ConvexShape<'a> {
     }
 }
 
-/// True for a body that meets others along any number of normals: by samples, or by triangles.
-pub fn has_many_normals(shape: &Shape) -> bool {
-    let by_parts = ConvexShape::of(shape);
-    shape.compound.is_none() && matches!(by_parts, ConvexShape::Other(_) | ConvexShape::Mesh(_))
+/// True for bodies whose contacts act without a second look: by samples, or with a plane or
+/// triangles, whose points meet along fixed normals. Bodies of revolution have points on their axis
+/// and at rims, which are right only as long as they do not turn.
+pub fn needs_one_look(shapes: [&Shape; 2]) -> bool {
+    let by_parts = shapes.map(ConvexShape::of);
+    let has_samples = |side: usize| {
+        shapes[side].compound.is_none() && matches!(by_parts[side], ConvexShape::Other(_))
+    };
+    let has_fixed_normals =
+        |shape: &ConvexShape| matches!(shape, ConvexShape::Ground(_) | ConvexShape::Mesh(_));
+    let is_round = |shape: &ConvexShape| matches!(shape, ConvexShape::Revolved(_));
+    has_samples(0)
+        || has_samples(1)
+        || by_parts.iter().any(has_fixed_normals) && !by_parts.iter().any(is_round)
 }
 
 /// Maximum number of edge pairs of two hulls; beyond, samples are faster than separating axes.

@@ -113,6 +113,11 @@ impl<I: Instructions> Group<I> {
             let normal = selection.points().next().map(|number| -points[number].normal);
             normal.is_some_and(|normal| acting.iter().all(|of| of.dot(normal) <= SAME_NORMAL))
         };
+        // What touches first has a place.
+        let gap = |selection: &Selection| {
+            selection.points().map(|number| points[number].gap).fold(f64::INFINITY, f64::min)
+        };
+        new.sort_by(|a, b| gap(a).total_cmp(&gap(b)));
         let mut new = new.iter().filter(is_new);
         let source = Source { manifold: &Manifold { pair, points: &points }, carried: &[] };
         for number in first..first + count {

@@ -54,7 +54,7 @@ impl Selection {
                 let has_room = !is_done[next] && usize::from(selection.count) < MOST_POINTS;
                 // Friction acts at the centre of a constraint, and contacts of corners and of cores
                 // have different centres.
-                let of_one_kind = points[first].rounding == points[next].rounding;
+                let of_one_kind = points[first].feature.is_ball() == points[next].feature.is_ball();
                 let is_along = points[first].normal.dot(points[next].normal) > SAME_NORMAL;
                 if has_room && of_one_kind && is_along {
                     is_done[next] = true;

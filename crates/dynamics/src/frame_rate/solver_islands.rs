@@ -6,6 +6,7 @@ use crate::frame_rate::sleep::Sleep;
 use frangible_bodies::{Bodies, Frame, Inertia, Pair, Substeps};
 use frangible_collision::{CachedImpulse, Manifold, ManifoldPoint};
 use frangible_math::threads;
+use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// Contact frequency as a fraction of the substep rate [1]: higher frequencies vibrate [Cat24].
@@ -32,6 +33,11 @@ const IMPACT_DEPTH: f64 = 0.2;
 /// moves with 10 or 8 J after four seconds, instead of 0.04.
 const HALF_LIFE: f64 = 0.5;
 const SHRINKS_BELOW: f64 = 0.75;
+
+/// Target nutation of a body of revolution per substep [rad]: both ends of an axis that nutates
+/// further meet the ground out of step. Without it short capsules at 600 rad/s jump by 1.4 m, and
+/// cylinders of 1 cm lose 3 percent of 14 m/s in 10 s; with it they lose 0.001 percent.
+const NUTATION: f64 = 0.5;
 
 /// Limit of manifolds times substeps of an island in a frame; larger islands take fewer substeps,
 /// but never below the settings' minimum. With half of it a wall of 51 courses and 1,000 bricks
@@ -259,6 +265,9 @@ fn substeps_of_turn(bodies: &Bodies, i: usize, frame: &Frame) -> f64 {
     }
     let pose = &bodies.poses[i];
     let spin = bodies.spin(i, pose, &bodies.velocities[i]);
-    // Anchors on the axis of a body of revolution stay, at any spin about it.
-    bodies.sweeping_spin(i, pose, spin).length() * frame.dt / TURN
+    // Anchors on the axis of a body of revolution stay, at any spin about it; but its axis nutates.
+    let sweeping = bodies.sweeping_spin(i, pose, spin);
+    let DVec3 { x, y, .. } = inertia.inverse_moments;
+    let nutation = (spin - sweeping).length() * x / y;
+    (sweeping.length() / TURN).max(nutation / NUTATION) * frame.dt
 }

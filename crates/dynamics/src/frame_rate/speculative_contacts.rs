@@ -5,7 +5,7 @@ use super::constraints::{NEAR, Source};
 use super::contact_batch::ContactBatch;
 use super::touching::Place;
 use frangible_bodies::{Bodies, Frame};
-use frangible_collision::{FeatureId, FixedNeighbours, Manifold, ManifoldPoint, has_many_normals};
+use frangible_collision::{FeatureId, FixedNeighbours, Manifold, ManifoldPoint, needs_one_look};
 use glam::DVec3;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -133,9 +133,7 @@ pub(super) fn is_confirmed(
     let pair = manifold.pair.both();
     !carried.is_empty()
         || is_wide(bodies, manifold, frame)
-        || pair
-            .iter()
-            .any(|&i| bodies.radii[i].is_infinite() || has_many_normals(&bodies.shapes[i]))
+        || needs_one_look(pair.map(|i| &*bodies.shapes[i]))
         || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
 }
 

@@ -1,6 +1,6 @@
 //! A contact of a body with a mesh, in the mesh's frame.
 
-use crate::manifold::{FeatureId, ManifoldPoint};
+use crate::manifold::{BALL_BITS, FeatureId, ManifoldPoint};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use glam::DVec3;
 
@@ -32,13 +32,12 @@ pub(crate) enum Meets {
 /// Feature id of a contact in 32 bits, so that a compound can add its parts; see
 /// [`compound_points`](crate::narrow_phase::compound::compound_points).
 pub(crate) fn feature_of(meets: Meets, number: u64) -> FeatureId {
-    const BITS: u32 = 27;
     let kind = match meets {
         Meets::PointOnFace(side) => side,
         Meets::FaceOnCorner => 6,
         Meets::EdgeOnEdge => 7,
     };
-    FeatureId { is_of_first: true, index: kind << BITS | number & ((1 << BITS) - 1) }
+    FeatureId { is_of_first: true, index: kind << BALL_BITS.count_ones() | number & BALL_BITS }
 }
 
 /// The side that a normal looks to most, from 0 to 5: contacts of one corner with a floor and a

@@ -69,6 +69,11 @@ fn wedged(of: &RoundMesh, triangles: &[usize], contacts: &mut Vec<MeshContact>) 
     let mut best: Option<(Separation, usize)> = None;
     for &triangle in triangles {
         let corners = mesh.corners(triangle);
+        let outward = mesh.normal(triangle);
+        let height = |up: DVec3| -round.reach(-up) - round.rounding - up.dot(corners[0]);
+        if height(outward) > 0.0 || height(-outward) > 0.0 {
+            continue;
+        }
         let along = |corner: usize| {
             let edge = MeshEdge::of(mesh, triangle, corner)?;
             let length = edge.ends[0].distance(edge.ends[1]);

@@ -14,6 +14,11 @@ use frangible_geometry::Revolved;
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
+/// Largest turn across its axis up to which a body's closest approach is looked for ahead [rad]:
+/// beyond, it comes nearer and parts more than once, and normals of later instants touched cylinders
+/// that passed 3 cm away.
+const FORESEEN: f64 = 0.5;
+
 /// A body of revolution and the motion of its pair.
 #[derive(Clone, Copy)]
 pub(crate) struct RoundMotion<'a> {
@@ -112,11 +117,20 @@ impl<'a> RoundMotion<'a> {
         let meeting = Meeting {
             at: &at,
             closing: &|time, normal| carried.fastest_closing(time, normal),
-            dt: BEYOND * pair_motion.ahead,
+            dt: self.foreseen(BEYOND * pair_motion.ahead),
             touch: 0.0,
             near: pair_motion.near,
         };
         meeting.grazed(at(0.0, touch.normal), grazing).map(|nearest| (carried, nearest))
+    }
+
+    /// The part of a time ahead [s] in which the body turns by no more than [`FORESEEN`], and that of
+    /// the present step at least.
+    fn foreseen(&self, ahead: f64) -> f64 {
+        let pair_motion = self.motion.pair_motion;
+        let spins = pair_motion.paths.map(|path| path.spin_speed / path.radius);
+        let most = FORESEEN / spins[0].max(spins[1]).max(f64::MIN_POSITIVE);
+        ahead.min(most.max(pair_motion.frame.dt))
     }
 
     fn apart(&self, partner: &Partner, (time, most): (f64, f64), guess: DVec3) -> Apart {

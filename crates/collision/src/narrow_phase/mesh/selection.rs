@@ -16,6 +16,10 @@ use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_geometry::StaticMesh;
 use glam::DVec3;
 
+/// Radius of the ball inside of a body of revolution that touches a mesh in spite of other contacts,
+/// relative to the largest such ball's [1].
+const SUNKEN: f64 = 0.75;
+
 /// Most points of a body on a mesh: on ground with many slopes each has its own normal.
 const MOST_ON_MESH: usize = 2 * MOST_POINTS;
 
@@ -59,10 +63,10 @@ pub(crate) fn contacts_of(motion: &mut MeshMotion, other: ConvexShape) -> Vec<Me
         ConvexShape::Revolved(ref revolved) => {
             round_contacts(motion, revolved, &mut contacts);
             core_contacts(motion, other, &mut contacts);
-            if contacts.is_empty() {
-                let radius = -other.distance_and_gradient(DVec3::ZERO).0;
-                contacts.extend(sunken_contact(motion, (DVec3::ZERO, radius)));
-            }
+            // Points that lie deep behind a triangle are left out, as those of a body beside it.
+            let radius = -other.distance_and_gradient(DVec3::ZERO).0;
+            let held = if contacts.is_empty() { radius } else { SUNKEN * radius };
+            contacts.extend(sunken_contact(motion, (DVec3::ZERO, held)));
         }
         ConvexShape::Other(shape) => sample_contacts(motion, shape, &mut contacts),
         // Nothing static meets a half-space or another mesh.

@@ -1,5 +1,6 @@
-//! Bodies whose middle lies behind triangles that are solid there: they have no features outside
-//! that could touch, and come out by the nearest way.
+//! Bodies that lie so deep in a mesh that no feature of theirs meets one of it: with their middle
+//! behind triangles that are solid there, or nearer to a triangle than the ball inside of them. They
+//! come out by the nearest way.
 
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
@@ -14,20 +15,19 @@ const DEPTH: f64 = 2.0;
 /// behind it [1].
 const BESIDE: f64 = 1e-3;
 
-/// The contact of a ball of `radius` [m] around a point of the body, body frame, that is behind the
-/// mesh.
+/// The contact of the ball of `radius` [m] inside of a body, around a point of the body frame, that
+/// is behind the mesh or overlaps it.
 pub(crate) fn sunken_contact(
     motion: &MeshMotion,
     (center, radius): (DVec3, f64),
 ) -> Option<MeshContact> {
     let (mesh, size) = (motion.mesh, motion.pair_motion.size);
-    if mesh.sides() == Sides::Two {
-        return None;
-    }
     let center_mesh = motion.start().point(center);
-    let nearest = mesh.nearest(center_mesh, DEPTH * size)?;
+    let most = if mesh.sides() == Sides::One { DEPTH * size } else { radius };
+    let nearest = mesh.nearest(center_mesh, most)?;
     let (distance, normal) = mesh.distance_and_gradient(center_mesh);
-    if distance >= 0.0 || is_on_border(mesh, &nearest, BESIDE * size) {
+    let is_beside = distance < 0.0 && is_on_border(mesh, &nearest, BESIDE * size);
+    if distance >= radius || is_beside {
         return None;
     }
     Some(MeshContact {

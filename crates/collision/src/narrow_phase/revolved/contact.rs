@@ -103,8 +103,24 @@ impl RoundPair<'_> {
             near: motion.near,
         };
         let Some(touch) = meeting.first_touch(start) else { return };
-        let touch = self.grazing(shape, touch, start.gap);
+        let straight = motion.paths.map(BallisticPath::straight);
+        let straight = PairMotion { paths: [&straight[0], &straight[1]], ..*motion };
+        let straight = RoundPair { pair_motion: &straight, ..*self };
+        match self.grazing(&straight, shape, &touch, start.gap) {
+            Some(nearest) => straight.append_at(&nearest, shape, scratch, points),
+            None => self.append_at(&touch, shape, scratch, points),
+        }
+    }
 
+    /// Appends the points of a touch or of a closest approach.
+    fn append_at(
+        &self,
+        touch: &Apart,
+        shape: &Partner,
+        scratch: &mut Scratch,
+        points: &mut Vec<ManifoldPoint>,
+    ) {
+        let motion = self.pair_motion;
         let (round, poses) = self.placed(touch.time);
         let partner_from_world = poses[1].orientation.conjugate();
         let guess = self.seen_by_order(partner_from_world * touch.normal);
@@ -130,32 +146,38 @@ impl RoundPair<'_> {
         points.extend(found.iter().map(|point| self.manifold_point(point, touch.time)));
     }
 
-    /// Closest approach of a pair `now` [m] apart that touches at `touch`, if it overlaps no deeper
-    /// than grazing until the frame's end; else `touch`. Gravity is left out, as of bodies that
-    /// something carries. Pairs that are further apart are seen again before they act.
-    fn grazing(&self, shape: &Partner, touch: Apart, now: f64) -> Apart {
-        let PairMotion { ahead, is_substep, paths: [first, second], .. } = *self.pair_motion;
+    /// Closest approach in `straight` motion of a pair `now` [m] apart that touches at `touch`, if
+    /// it overlaps no deeper than grazing until the frame's end. Gravity is left out, as of bodies
+    /// that something carries. Pairs that are further apart are seen again before they act.
+    fn grazing(
+        &self,
+        straight: &RoundPair,
+        shape: &Partner,
+        touch: &Apart,
+        now: f64,
+    ) -> Option<Apart> {
+        let PairMotion { ahead, is_substep, near, .. } = *self.pair_motion;
         let grazing = self.pair_motion.grazing();
         let gets_deeper = -touch.parting * ahead > DEEPER * grazing;
-        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > self.pair_motion.near {
-            return touch;
+        if touch.gap <= -grazing || !gets_deeper || !is_substep && now > near {
+            return None;
         }
-        let (first, second) = (first.straight(), second.straight());
-        let pair_motion = &PairMotion { paths: [&first, &second], ..*self.pair_motion };
-        let straight = RoundPair { pair_motion, ..*self };
         let at = |time, guess| straight.overlapping(shape, time, guess);
         let meeting = Meeting {
             at: &at,
             closing: &|time, normal| straight.fastest_closing(time, normal),
             dt: ahead,
             touch: 0.0,
-            near: pair_motion.near,
+            near,
         };
         let from = at(touch.time, touch.normal);
-        let Some(near) = meeting.grazed(from, grazing) else { return touch };
-        // Later the body may be beside what bears it now.
+        let near = meeting.grazed(from, grazing)?;
         let is_same = |known: &Apart| near.normal.dot(known.normal) >= SAME_NORMAL;
-        [touch, from].into_iter().find(is_same).unwrap_or(near)
+        if is_same(touch) {
+            return None;
+        }
+        // Later the body may be beside what bears it now.
+        Some(if is_same(&from) { from } else { near })
     }
 
     /// Paths of the body of revolution and of its partner.

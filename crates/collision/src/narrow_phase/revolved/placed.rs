@@ -2,7 +2,7 @@
 
 use frangible_geometry::{Revolved, RevolvedEnd};
 use frangible_math::RigidTransform;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 /// A body of revolution at a place. Its *core* is the hull of both discs, without the rounding.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +33,15 @@ impl PlacedRevolved {
             rounding: revolved.rounding,
             side: revolved.side_normal(),
         }
+    }
+
+    /// Signed distance of a point from the surface [m], and its unit gradient.
+    pub(crate) fn distance_and_gradient(&self, point: DVec3) -> (f64, DVec3) {
+        let here_from_body = DMat3::from_cols(self.across, self.axis, self.across.cross(self.axis));
+        let revolved = Revolved { ends: self.ends, rounding: self.rounding };
+        let (distance, gradient) =
+            revolved.distance_and_gradient(here_from_body.transpose() * (point - self.middle));
+        (distance, here_from_body * gradient)
     }
 
     /// Middle of a disc [m].
@@ -98,14 +107,6 @@ impl PlacedRevolved {
         let part =
             if length > self.ends[end].radius { self.ends[end].radius / length } else { 1.0 };
         self.center(end) + part * across
-    }
-
-    /// Signed distance [m] of a point from this body, whose shape is `surface`, and its gradient.
-    pub(crate) fn distance_and_gradient(&self, surface: &Revolved, point: DVec3) -> (f64, DVec3) {
-        let (along, _, away) = self.split(point - self.middle);
-        let radial = self.radial(point - self.middle);
-        let (distance, gradient) = surface.distance_and_gradient(DVec3::new(away, along, 0.0));
-        (distance, gradient.x * radial + gradient.y * self.axis)
     }
 
     /// The side's outward normal at a direction across the axis.

@@ -9,7 +9,7 @@ use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::round_point::{Anchor, RimPoint, RoundPoint, fixed};
 use crate::narrow_phase::revolved::separation::Separation;
-use frangible_geometry::{Hull, Revolved};
+use frangible_geometry::Hull;
 use glam::DVec3;
 
 /// Cosine of the angle within which a flat area faces another body: what lies over it may come down
@@ -230,11 +230,10 @@ impl<'a> Instant<'a> {
     ) {
         let (round, normal) = (self.round, self.separation.normal);
         let Some(within) = common_stretch(lines, normal) else { return };
-        let surface = Revolved { ends: other.ends, rounding: other.rounding };
         for which in 0..=BALLS {
             let part = within[0] + (within[1] - within[0]) * which as f64 / BALLS as f64;
             let ball = hold_on_side(round, lines[0], part, -normal);
-            let (distance, outward) = other.distance_and_gradient(&surface, ball.point);
+            let (distance, outward) = other.distance_and_gradient(ball.point);
             // At the end of a side a ball reaches beyond it.
             let touching = ball.point - (ball.rounding - round.rounding) * outward;
             let along = (touching - round.middle).dot(round.axis);
