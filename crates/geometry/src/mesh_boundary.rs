@@ -91,3 +91,68 @@ impl MeshBoundary {
         (!feature.is_empty()).then_some(feature)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::grid::Grid;
+    use crate::grid_solid::GridSolid;
+    use crate::mesh::TriMesh;
+    use crate::mesh_to_level_set::solids_and_boundary;
+    use crate::surface_samples::mesh_samples;
+    use glam::{DQuat, DVec3};
+
+    /// An L of two boxes that overlap, turned: corner n of each at the high end of the axes of its
+    /// bits.
+    fn letter(turn: DQuat) -> TriMesh {
+        let faces =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let mut mesh = TriMesh { positions: Vec::new(), triangles: Vec::new() };
+        for size in [DVec3::new(0.6, 0.15, 0.2), DVec3::new(0.15, 0.8, 0.2)] {
+            let first = mesh.positions.len() as u32;
+            let corner =
+                |n: u32| size * DVec3::new((n & 1) as f64, (n >> 1 & 1) as f64, (n >> 2) as f64);
+            mesh.positions.extend((0..8).map(|n| turn * corner(n)));
+            let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+            mesh.triangles.extend(faces.into_iter().flat_map(halves).map(|t| t.map(|n| n + first)));
+        }
+        mesh
+    }
+
+    /// All samples lie on the triangles that bound the solid, none on those inside of it, and each
+    /// corner has one, however the grid lies.
+    #[test]
+    fn samples_of_a_mesh_lie_on_it_and_in_its_corners() {
+        for (angle, voxels) in [(0.0, 0.0125), (0.4, 0.0125), (1.1, 0.03)] {
+            let turn = DQuat::from_scaled_axis(angle * DVec3::new(0.3, 0.9, -0.3));
+            let clean = letter(turn).cleaned("L").unwrap();
+            let (low, high) = clean.mesh.bounds();
+            let counts = ((high - low) / voxels).to_array().map(|n| n.ceil() as usize);
+            let grid = Grid::around_box(low, high, counts, 2);
+            let (level_set, boundary) = solids_and_boundary(&clean, grid).unwrap();
+            let samples =
+                mesh_samples(&GridSolid::from_level_set(level_set), &boundary, 2.0 * voxels);
+            let back = turn.inverse();
+            // Distance to the L's outline, and to its faces.
+            let off = |point: DVec3| {
+                let within = |size: DVec3| {
+                    let half = 0.5 * size;
+                    let beyond = (point - half).abs() - half;
+                    beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
+                };
+                within(DVec3::new(0.6, 0.15, 0.2)).min(within(DVec3::new(0.15, 0.8, 0.2)))
+            };
+            let worst = samples.iter().map(|s| off(back * s.as_dvec3()).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-6, "{angle}: {worst} m");
+            let outline =
+                [[0.0, 0.0], [0.6, 0.0], [0.6, 0.15], [0.15, 0.15], [0.15, 0.8], [0.0, 0.8]];
+            for [x, y] in outline {
+                for z in [0.0, 0.2] {
+                    let corner = turn * DVec3::new(x, y, z);
+                    let away = samples.iter().map(|s| s.as_dvec3().distance(corner));
+                    let away = away.fold(f64::INFINITY, f64::min);
+                    assert!(away < 1e-6, "{angle}: {x}, {y}, {z}: {away} m");
+                }
+            }
+        }
+    }
+}
