@@ -273,6 +273,21 @@ impl GridSolid {
         &self.parts
     }
 
+    /// True for a point of the grid frame in the surface before any break and in one of
+    /// [`GridSolid::parts`], or beyond both by at most `slack` [m]: exact where that surface is a
+    /// formula or a polyhedron. Other pieces of the same cell hold it too.
+    pub fn holds(&self, point: DVec3, slack: f64) -> bool {
+        let in_root = match &self.outline.root {
+            Root::ClosedForm(form) => form.distance(point) <= slack,
+            Root::Hull(hull) => hull.distance_up_to(point, slack) <= slack,
+            Root::Sampled(level_set) => f64::from(level_set.value(point)) <= slack,
+        };
+        let in_part = |part: &Clip| {
+            part.half_spaces().iter().all(|half_space| half_space.distance(point) <= slack)
+        };
+        in_root && self.parts.iter().any(in_part)
+    }
+
     /// Volume, centre and inertia at unit density, in the grid frame.
     pub fn mass_properties(&self) -> MassProperties {
         self.held.mass

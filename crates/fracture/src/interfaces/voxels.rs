@@ -1,6 +1,7 @@
 //! Contacts of pieces on one lattice: the faces between their voxels.
 
 use crate::interfaces::interface::{Contacts, Interface};
+use crate::interfaces::sections::section;
 use frangible_geometry::{Grid, GridSolid, HalfSpace};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -10,6 +11,8 @@ const SAME_PLANE: f64 = 1e-6;
 /// A voxel face belongs to a crack plane that passes its centre this closely, in units of the
 /// spacing: half a voxel by construction, and as much again for where a break snaps to the lattice.
 const AT_PLANE: f64 = 1.0;
+/// A contact ends within this distance of its voxel faces, in units of the spacing.
+const SECTION_REACH: f64 = 1.5;
 /// Edge of the cubes in which a contact away from all shared planes counts as flat [voxels].
 const CUBE: usize = 4;
 /// No piece.
@@ -52,7 +55,20 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
 
     // A part on a plane has the plane's normal; what its staircase has across it comes from its
     // rim.
+    let reach = SECTION_REACH * spacing;
     for ((a, b, part), sum) in parts {
+        if let Part::OnPlane(plane) = part {
+            let plane = &planes[&(a, b)][plane];
+            let pair = [a, b].map(|piece| solids[piece as usize]);
+            let around = (sum.low - reach, sum.high + reach);
+            let is_between = |point| lattice.has_near([a, b], point);
+            if let Some((area, moment)) = section(pair, plane, around, is_between) {
+                if area > 0.0 {
+                    contacts.add((a as usize, b as usize), area * plane.normal, moment / area);
+                }
+                continue;
+            }
+        }
         let vector = match part {
             Part::OnPlane(plane) => {
                 let normal = planes[&(a, b)][plane].normal;
@@ -75,7 +91,7 @@ enum Part {
 }
 
 /// The voxel faces of one part.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct PartSum {
     /// Number of faces, weighted by their fill.
     weight: f64,
@@ -83,6 +99,21 @@ struct PartSum {
     vector: DVec3,
     /// Sum of their centres, grid frame [m].
     moment: DVec3,
+    /// Lowest and highest corner of the box around their centres [m].
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Default for PartSum {
+    fn default() -> Self {
+        Self {
+            weight: 0.0,
+            vector: DVec3::ZERO,
+            moment: DVec3::ZERO,
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+        }
+    }
 }
 
 impl PartSum {
@@ -90,6 +121,8 @@ impl PartSum {
         self.weight += face.filled;
         self.vector += face.filled * face.direction;
         self.moment += face.filled * face.center;
+        self.low = self.low.min(face.center);
+        self.high = self.high.max(face.center);
     }
 }
 
@@ -237,6 +270,26 @@ impl Lattice {
             }
         }
         Some(Self { grid, owner, coverage })
+    }
+
+    /// True if each of two pieces has a voxel around a point: at the corners of its cell or one
+    /// further.
+    fn has_near(&self, pieces: [u32; 2], point: DVec3) -> bool {
+        let place = self.grid.lattice_from_point(point).to_array();
+        let range = |axis: usize, margin: i64| {
+            let low = libm::floor(place[axis]) as i64;
+            let last = self.grid.dims[axis] as i64 - 1;
+            (low - margin).max(0)..=(low + 1 + margin).min(last)
+        };
+        let is_near = |piece: u32, margin: i64| {
+            range(2, margin).any(|k| {
+                range(1, margin).any(|j| {
+                    let row = self.grid.index(0, j as usize, k as usize);
+                    range(0, margin).any(|i| self.owner[row + i as usize] == piece)
+                })
+            })
+        };
+        pieces.into_iter().all(|piece| is_near(piece, 0) || is_near(piece, 1))
     }
 
     /// Visits each pair of neighbouring voxels of two pieces.
