@@ -48,6 +48,7 @@ mod static_mesh;
 mod surface_samples;
 mod texture;
 mod vertex_placement;
+mod voxel_bounds;
 mod voxel_runs;
 mod winding_number;
 
