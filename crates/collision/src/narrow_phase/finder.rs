@@ -162,7 +162,8 @@ fn choose(candidates: &[Candidate], has_carried: impl Fn(FeatureId) -> bool) -> 
     let mut chosen = vec![deepest];
     let mut away: Vec<f64> = (0..candidates.len()).map(|index| beyond(index, deepest)).collect();
     let mut keep = |next: usize, away: &mut Vec<f64>| {
-        for (index, away) in away.iter_mut().enumerate() {
+        // Candidates left out stay out.
+        for (index, away) in away.iter_mut().enumerate().filter(|(_, away)| **away > 0.0) {
             *away = away.min(beyond(index, next));
         }
         away[next] = 0.0;

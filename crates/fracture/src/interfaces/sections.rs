@@ -2,10 +2,11 @@
 //! body's surface.
 
 use frangible_geometry::{GridSolid, HalfSpace};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-/// Points of a section per voxel face: contacts of three voxels a side are then within a percent.
-const POINTS_PER_FACE: f64 = 16.0;
+/// Points of a section per voxel face: contacts of ten voxels a side are then within half a
+/// percent. With 16 a break into 10 pieces takes half as long again.
+const POINTS_PER_FACE: f64 = 8.0;
 
 /// Least number of points of a rectangle, for thin contacts.
 const LEAST_POINTS: f64 = 400.0;
@@ -21,26 +22,28 @@ const ON_PLANE: f64 = 1e-5;
 /// [Roberts 2018, The unreasonable effectiveness of quasirandom sequences].
 const FILLS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
+/// The two axes of a plane in which rectangles lie.
+pub(super) fn axes(plane: &HalfSpace) -> [DVec3; 2] {
+    let (across, along) = plane.normal.any_orthonormal_pair();
+    [across, along]
+}
+
 /// Area [m^2] and sum of points times area [m^3] of the part of a plane that lies in both of two
-/// solids, within the box from `low` to `high`. `is_between` tells if a point lies between voxels
-/// of both. `None` for solids that are not clipped by planes.
+/// solids, within the rectangle from `low` to `high` along its [`axes`] [m]. `is_between` tells if
+/// a point lies between voxels of both. `None` for solids that are not clipped by planes.
 pub(super) fn section(
     [a, b]: [&GridSolid; 2],
     plane: &HalfSpace,
-    (low, high): (DVec3, DVec3),
+    (low, high): (DVec2, DVec2),
     is_between: impl Fn(DVec3) -> bool,
 ) -> Option<(f64, DVec3)> {
     if a.parts().is_empty() || b.parts().is_empty() {
         return None;
     }
-    // The rectangle around the box, seen along the normal.
     let spacing = a.grid().spacing;
-    let (across, along) = plane.normal.any_orthonormal_pair();
-    let middle = 0.5 * (low + high);
-    let foot = middle - plane.normal * plane.distance(middle);
-    let half = 0.5 * (high - low);
-    let [width, height] = [across, along].map(|axis| 2.0 * axis.abs().dot(half));
-
+    let [across, along] = axes(plane);
+    let corner = plane.offset * plane.normal + low.x * across + low.y * along;
+    let DVec2 { x: width, y: height } = high - low;
     let faces = width * height / (spacing * spacing);
     let count = (POINTS_PER_FACE * faces).clamp(LEAST_POINTS, MOST_POINTS) as usize;
     let slack = ON_PLANE * spacing;
@@ -49,11 +52,10 @@ pub(super) fn section(
     for n in 1..=count {
         let [u, v] = FILLS.map(|fill| {
             let multiple = n as f64 * fill;
-            multiple - multiple.floor() - 0.5
+            multiple - multiple.floor()
         });
-        let point = foot + width * u * across + height * v * along;
-        let in_box = point.cmpge(low).all() && point.cmple(high).all();
-        if in_box && a.holds(point, slack) && b.holds(point, slack) && is_between(point) {
+        let point = corner + width * u * across + height * v * along;
+        if a.holds(point, slack) && b.holds(point, slack) && is_between(point) {
             held += 1;
             sum += point;
         }

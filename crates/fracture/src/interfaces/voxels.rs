@@ -1,9 +1,9 @@
 //! Contacts of pieces on one lattice: the faces between their voxels.
 
 use crate::interfaces::interface::{Contacts, Interface};
-use crate::interfaces::sections::section;
+use crate::interfaces::sections::{axes, section};
 use frangible_geometry::{Grid, GridSolid, HalfSpace};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Maximum difference of two sides of one crack plane, in units of the spacing.
@@ -37,8 +37,9 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
         let shared = planes
             .entry(face.pieces)
             .or_insert_with(|| shared_planes(solids[a as usize], solids[b as usize], spacing));
-        let sum = parts.entry((a, b, face.part(shared, spacing))).or_default();
-        sum.add(&face);
+        let part = face.part(shared, spacing);
+        let plane = if let Part::OnPlane(plane) = part { Some(&shared[plane]) } else { None };
+        parts.entry((a, b, part)).or_default().add(&face, plane);
     });
 
     // Cracks at a slant leave the material between nodes.
@@ -48,7 +49,7 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             let (a, b) = (face.pieces.0.min(other), face.pieces.0.max(other));
             let direction = if a == other { -face.direction } else { face.direction };
             if let Some(sum) = parts.get_mut(&(a, b, Part::OnPlane(plane))) {
-                sum.add(&Face { direction, ..face });
+                sum.add(&Face { direction, ..face }, Some(&planes[&(a, b)][plane]));
             }
         }
     });
@@ -99,9 +100,10 @@ struct PartSum {
     vector: DVec3,
     /// Sum of their centres, grid frame [m].
     moment: DVec3,
-    /// Lowest and highest corner of the box around their centres [m].
-    low: DVec3,
-    high: DVec3,
+    /// On a plane the lowest and highest corner of the rectangle around their centres, along the
+    /// plane's [`axes`] [m].
+    low: DVec2,
+    high: DVec2,
 }
 
 impl Default for PartSum {
@@ -110,19 +112,22 @@ impl Default for PartSum {
             weight: 0.0,
             vector: DVec3::ZERO,
             moment: DVec3::ZERO,
-            low: DVec3::INFINITY,
-            high: DVec3::NEG_INFINITY,
+            low: DVec2::INFINITY,
+            high: DVec2::NEG_INFINITY,
         }
     }
 }
 
 impl PartSum {
-    fn add(&mut self, face: &Face) {
+    fn add(&mut self, face: &Face, plane: Option<&HalfSpace>) {
         self.weight += face.filled;
         self.vector += face.filled * face.direction;
         self.moment += face.filled * face.center;
-        self.low = self.low.min(face.center);
-        self.high = self.high.max(face.center);
+        if let Some(plane) = plane {
+            let at = DVec2::from_array(axes(plane).map(|axis| axis.dot(face.center)));
+            self.low = self.low.min(at);
+            self.high = self.high.max(at);
+        }
     }
 }
 
