@@ -62,7 +62,7 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             let plane = &planes[&(a, b)][plane];
             let pair = [a, b].map(|piece| solids[piece as usize]);
             let around = (sum.low - reach, sum.high + reach);
-            let is_between = |point| lattice.has_near([a, b], point);
+            let is_between = |point| lattice.is_between([a, b], point);
             if let Some((area, moment)) = section(pair, plane, around, is_between) {
                 if area > 0.0 {
                     contacts.add((a as usize, b as usize), area * plane.normal, moment / area);
@@ -277,24 +277,34 @@ impl Lattice {
         Some(Self { grid, owner, coverage })
     }
 
-    /// True if each of two pieces has a voxel around a point: at the corners of its cell or one
-    /// further.
-    fn has_near(&self, pieces: [u32; 2], point: DVec3) -> bool {
+    /// True if a point is between two pieces, and not between others of their cells: both have a
+    /// voxel in its cell or beside it, or one has and no third piece. A wedge thinner than half a
+    /// voxel has none.
+    fn is_between(&self, [a, b]: [u32; 2], point: DVec3) -> bool {
         let place = self.grid.lattice_from_point(point).to_array();
         let range = |axis: usize, margin: i64| {
             let low = libm::floor(place[axis]) as i64;
             let last = self.grid.dims[axis] as i64 - 1;
             (low - margin).max(0)..=(low + 1 + margin).min(last)
         };
-        let is_near = |piece: u32, margin: i64| {
-            range(2, margin).any(|k| {
-                range(1, margin).any(|j| {
+        let mut near = [false; 3];
+        for margin in 0..2 {
+            for k in range(2, margin) {
+                for j in range(1, margin) {
                     let row = self.grid.index(0, j as usize, k as usize);
-                    range(0, margin).any(|i| self.owner[row + i as usize] == piece)
-                })
-            })
-        };
-        pieces.into_iter().all(|piece| is_near(piece, 0) || is_near(piece, 1))
+                    for i in range(0, margin) {
+                        let owner = self.owner[row + i as usize];
+                        near[0] |= owner == a;
+                        near[1] |= owner == b;
+                        near[2] |= owner != a && owner != b && owner != NONE;
+                    }
+                }
+            }
+            if near[0] && near[1] {
+                return true;
+            }
+        }
+        (near[0] || near[1]) && !near[2]
     }
 
     /// Visits each pair of neighbouring voxels of two pieces.
