@@ -3,6 +3,7 @@
 pub(crate) mod hulls;
 pub(crate) mod interface;
 pub(crate) mod meshes;
+pub(crate) mod sections;
 pub(crate) mod voxels;
 
 use crate::fragment::Fragment;
@@ -17,12 +18,13 @@ use frangible_math::RigidTransform;
 ///
 /// Pieces on a lattice touch where a voxel of one has a voxel of the other beside it. The faces
 /// between the two make a staircase, whose area is too large by up to the root of 3; the sum of
-/// their vectors is right. It is taken for each crack plane that the two pieces share, and along a
-/// rough crack for each face with the crack's own normal. Where they share neither, as where
-/// merging a sliver has bent a crack, it is taken in each cube of four voxels a side: ripples below
-/// that are left out. A voxel that the parent fills in part counts in part. Areas of contacts ten
-/// voxels across and more are within a few percent on planes; without planes all areas together
-/// are, but flat wedges at the body's surface lose much of theirs.
+/// their vectors is right. On a crack plane that the two pieces share, the contact is the part of
+/// the plane that lies in the cells of both and in the body. Along a rough crack each face has the
+/// crack's own normal. Where they share neither, as where merging a sliver has bent a crack, the
+/// sum is taken in each cube of four voxels a side: ripples below that are left out. A voxel that
+/// the parent fills in part counts in part. Areas on planes are within a percent from three voxels
+/// across on; without planes all areas together are within a few, but flat wedges at the body's
+/// surface lose much of theirs.
 ///
 /// All pieces must be of one kind, and those on a lattice of one parent, as
 /// [`shatter`](crate::shatter) returns them; convex polyhedra may be any that do not overlap, each

@@ -75,6 +75,19 @@ impl Pattern {
         }
     }
 
+    /// The same cells with the plain faces that noise makes rough: as many, in the same places.
+    /// `None` for cells of other kinds.
+    pub fn without_roughness(&self) -> Option<Self> {
+        let Cells::Rough(rough) = &self.cells else { return None };
+        Some(Self {
+            half_extent: self.half_extent,
+            center: self.center,
+            magnification: self.magnification,
+            joints: self.joints.clone(),
+            cells: Cells::Planar(rough.regions.clone()),
+        })
+    }
+
     /// True for mortar between other cells.
     pub fn is_joint(&self, cell: usize) -> bool {
         self.joints.binary_search(&cell).is_ok()

@@ -6,6 +6,7 @@ use crate::noise::Noise;
 use crate::pattern::region::Region;
 use crate::placement::Placement;
 use frangible_geometry::Grid;
+use frangible_math::threads;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
@@ -216,7 +217,7 @@ impl Samples {
             let [i, j, k] = grid.coordinates(index);
             rough.noise.displacement(grid.node(i, j, k).min(half_extent), half_extent).as_vec3()
         };
-        let displacements = (0..grid.len()).map(node).collect();
+        let displacements = threads::list(grid.len(), node);
         let without = Nearby::new(half_extent, 0, 1.0, |_, _| 0.0);
         let mut samples = Self { grid, displacements, nearby: without };
         let slope = 1.0 + THREE_AXES * rough.noise.steepness;

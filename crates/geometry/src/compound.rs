@@ -1,6 +1,8 @@
 //! Compounds of convex polyhedra.
 
 use crate::bvh::Bvh;
+use crate::compound_surface::outer_surface;
+use crate::face_polygon::{corners_of, overlap_area, polygon_area};
 use crate::half_space::HalfSpace;
 use crate::hull::Hull;
 use crate::hull::samples::hull_samples;
@@ -209,8 +211,19 @@ impl Compound {
         samples
     }
 
-    /// The parts' surfaces, each closed; glued faces count as interior, and so do cracks.
+    /// The outer surface, without the faces, and parts of faces, that glue hides; where parts
+    /// overlap, the surfaces of all, each closed. Of these, and what cracks made, glued faces count
+    /// as interior.
     pub fn surface(&self) -> Surface {
+        let hulls: Vec<&Hull> = self.parts.iter().map(|part| &part.hull).collect();
+        let close = self.close();
+        let beside = |index: usize| {
+            let (low, high) = self.parts[index].bounds;
+            self.parts_near(low - close, high + close)
+        };
+        if let Some(surface) = outer_surface(&hulls, beside, close) {
+            return surface;
+        }
         let mut surface = Surface::default();
         for part in &self.parts {
             part.hull
@@ -299,39 +312,4 @@ impl Part {
             })
             .filter(|&(height, _)| height <= 0.0)
     }
-}
-
-fn corners_of(hull: &Hull, face: usize) -> Vec<DVec3> {
-    hull.face(face).vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]).collect()
-}
-
-/// Area of a polygon with this unit normal [m^2]; negative if it runs clockwise.
-fn polygon_area(corners: &[DVec3], normal: DVec3) -> f64 {
-    let Some(&origin) = corners.first() else { return 0.0 };
-    let doubled: DVec3 =
-        corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum();
-    0.5 * doubled.dot(normal)
-}
-
-/// Area that two convex polygons in one plane share [m^2]: the first, counter-clockwise about
-/// `normal`, cut along the sides of the second, which runs the other way.
-fn overlap_area(first: &[DVec3], second: &[DVec3], normal: DVec3) -> f64 {
-    let mut left = first.to_vec();
-    for at in 0..second.len() {
-        let (start, end) = (second[at], second[(at + 1) % second.len()]);
-        let outward = (end - start).cross(-normal);
-        let height = |point: DVec3| outward.dot(point - start);
-        let whole = std::mem::take(&mut left);
-        for (from, &a) in whole.iter().enumerate() {
-            let b = whole[(from + 1) % whole.len()];
-            let (height_a, height_b) = (height(a), height(b));
-            if height_a <= 0.0 {
-                left.push(a);
-            }
-            if height_a * height_b < 0.0 {
-                left.push(a + (b - a) * (height_a / (height_a - height_b)));
-            }
-        }
-    }
-    polygon_area(&left, normal)
 }

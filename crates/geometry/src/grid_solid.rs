@@ -1,5 +1,7 @@
 //! A solid on a grid: what can break.
 
+mod nodes;
+
 use crate::closed_form::ClosedForm;
 use crate::coverage;
 use crate::grid::Grid;
@@ -9,7 +11,7 @@ use crate::level_set::LevelSet;
 use crate::mass_properties::MassProperties;
 use crate::mass_properties::NoMass;
 use crate::moments::Portion;
-use crate::outline_clip::{Clip, RowScratch, distances_over, larger};
+use crate::outline_clip::{Clip, distances_over, larger};
 use crate::run_core::RunCore;
 use crate::runs::Run;
 use crate::voxel_runs::{Held, VoxelRuns};
@@ -68,10 +70,6 @@ pub enum Root {
     /// Samples of a mesh's distance.
     Sampled(#[serde(with = "frangible_math::shared")] Arc<LevelSet>),
 }
-
-/// At nodes where another fragment's inside would read as this one's: the least distance, in units
-/// of the spacing. Large enough to be seen in f32, too small to move a surface.
-const OUTSIDE: f64 = 1e-3;
 
 impl GridSolid {
     /// Layers of nodes around a fragment's voxels, so that gradients at its surface are central.
@@ -273,6 +271,21 @@ impl GridSolid {
         &self.parts
     }
 
+    /// True for a point of the grid frame in the surface before any break and in one of
+    /// [`GridSolid::parts`], or beyond both by at most `slack` [m]: exact where that surface is a
+    /// formula or a polyhedron. Other pieces of the same cell hold it too.
+    pub fn holds(&self, point: DVec3, slack: f64) -> bool {
+        let in_root = match &self.outline.root {
+            Root::ClosedForm(form) => form.distance(point) <= slack,
+            Root::Hull(hull) => hull.distance_up_to(point, slack) <= slack,
+            Root::Sampled(level_set) => f64::from(level_set.value(point)) <= slack,
+        };
+        let in_part = |part: &Clip| {
+            part.half_spaces().iter().all(|half_space| half_space.distance(point) <= slack)
+        };
+        in_root && self.parts.iter().any(in_part)
+    }
+
     /// Volume, centre and inertia at unit density, in the grid frame.
     pub fn mass_properties(&self) -> MassProperties {
         self.held.mass
@@ -359,97 +372,5 @@ impl GridSolid {
     /// [`GridSolid::value_and_gradient_at_lattice`] at a grid-frame point [m].
     pub fn value_and_gradient(&self, point: DVec3) -> (f32, Vec3) {
         self.value_and_gradient_at_lattice(self.grid.lattice_from_point(point).as_vec3())
-    }
-
-    /// Distances at the nodes of the grid: the largest one of the field's, the parts' and `cell`'s.
-    /// Own nodes are inside if they were inside of the field. Nodes of others are not: of another
-    /// component of the same region, or of what a sliver was cut off from.
-    fn sample_nodes(&self, cell: Option<&LevelSet>) -> LevelSet {
-        let [width, rows_y, rows_z] = self.grid.dims;
-        let [on_crack, half_cell] = [OUTSIDE, 0.5].map(|part| (part * self.grid.spacing) as f32);
-        let mut phi = Vec::with_capacity(self.grid.len());
-        let mut scratch = RowScratch::default();
-        let mut region = vec![0.0; width];
-        for row in 0..rows_y * rows_z {
-            let [j, k] = [row % rows_y, row / rows_y];
-            let start = self.grid.node(0, j, k);
-            region.fill(if self.parts.is_empty() { f32::NEG_INFINITY } else { f32::INFINITY });
-            for part in &self.parts {
-                part.lower_row(start, self.grid.spacing, &mut scratch, &mut region);
-            }
-            let first = phi.len();
-            if let Some(cell) = cell {
-                let of_cell = &cell.phi()[row * width..(row + 1) * width];
-                for (region, &of_cell) in region.iter_mut().zip(of_cell) {
-                    *region = larger(*region, of_cell);
-                }
-            }
-            match self.row_of_field([j, k]) {
-                Some(of_field) => {
-                    phi.extend(
-                        of_field.iter().zip(&region).map(|(&field, &region)| larger(field, region)),
-                    );
-                }
-                None => {
-                    let nodes = region.iter().enumerate();
-                    phi.extend(nodes.map(|(i, &region)| larger(self.field_at([i, j, k]), region)));
-                }
-            }
-
-            // Signs by ownership.
-            let mut next = 0;
-            for span in self.material().row(row) {
-                let own = span.start as usize..span.end as usize;
-                force_outside(&mut phi[first + next..first + own.start], on_crack, half_cell);
-                next = own.end;
-                if span.inside {
-                    for phi in &mut phi[first + own.start..first + own.end] {
-                        *phi = phi.min(0.0);
-                    }
-                }
-            }
-            force_outside(&mut phi[first + next..first + width], on_crack, half_cell);
-        }
-        LevelSet::new(self.grid, phi)
-    }
-
-    /// The field's distances [m] at a row of the grid's nodes, if all of them are the field's.
-    fn row_of_field(&self, row: [usize; 2]) -> Option<&[f32]> {
-        let field = self.field.grid();
-        let place = |node: usize, axis: usize| usize::try_from(node as i64 + self.shift[axis]).ok();
-        let (i, j, k) = (place(0, 0)?, place(row[0], 1)?, place(row[1], 2)?);
-        let is_inside =
-            i + self.grid.dims[0] <= field.dims[0] && j < field.dims[1] && k < field.dims[2];
-        let first = is_inside.then(|| field.index(i, j, k))?;
-        Some(&self.field.phi()[first..first + self.grid.dims[0]])
-    }
-
-    /// The field's distance at a node of the grid [m]; beyond its lattice the value at the nearest
-    /// node and the way to it.
-    #[inline]
-    fn field_at(&self, node: [usize; 3]) -> f32 {
-        let dims = self.field.grid().dims;
-        let at: [i64; 3] = std::array::from_fn(|axis| node[axis] as i64 + self.shift[axis]);
-        let nearest: [i64; 3] =
-            std::array::from_fn(|axis| at[axis].clamp(0, dims[axis] as i64 - 1));
-        let value = self.field.at(nearest[0] as usize, nearest[1] as usize, nearest[2] as usize);
-        if at == nearest {
-            return value;
-        }
-        let square: i64 =
-            at.iter().zip(nearest).map(|(at, nearest)| (at - nearest) * (at - nearest)).sum();
-        value + ((square as f64).sqrt() * self.grid.spacing) as f32
-    }
-}
-
-/// Makes nodes of other pieces outside: barely on a crack, else by at least half a cell. Two pieces
-/// without a crack between them then meet halfway between their nodes.
-fn force_outside(phi: &mut [f32], on_crack: f32, half_cell: f32) {
-    for phi in phi {
-        if *phi <= -on_crack {
-            *phi = larger(-*phi, half_cell);
-        } else if *phi <= 0.0 {
-            *phi = on_crack;
-        }
     }
 }

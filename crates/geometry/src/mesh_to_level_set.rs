@@ -7,6 +7,7 @@ use crate::grid::Grid;
 use crate::level_set::LevelSet;
 use crate::line_crossings::LineCrossings;
 use crate::mesh::TriMesh;
+use crate::mesh_boundary::MeshBoundary;
 use crate::mesh_check::{MeshError, short};
 use crate::solid_boundary::{Deep, boundary_triangles};
 use glam::DVec3;
@@ -68,6 +69,17 @@ pub fn mesh_to_level_set(mesh: &TriMesh, grid: Grid) -> Result<LevelSet, MeshToL
 /// # Errors
 /// If the grid does not fit into memory, or no node lies inside.
 pub fn solids_to_level_set(clean: &CleanMesh, grid: Grid) -> Result<LevelSet, MeshToLevelSetError> {
+    solids_and_boundary(clean, grid).map(|(level_set, _)| level_set)
+}
+
+/// The same, with the triangles that separate inside from outside.
+///
+/// # Errors
+/// If the grid does not fit into memory, or no node lies inside.
+pub fn solids_and_boundary(
+    clean: &CleanMesh,
+    grid: Grid,
+) -> Result<(LevelSet, MeshBoundary), MeshToLevelSetError> {
     check_grid(&grid)?;
     // Find the triangles that bound the solid: of a surface that meets none, all of them.
     let mesh = &clean.mesh;
@@ -103,7 +115,7 @@ pub fn solids_to_level_set(clean: &CleanMesh, grid: Grid) -> Result<LevelSet, Me
     if inner == 0 {
         return Err(nothing_inside(mesh, &grid));
     }
-    Ok(LevelSet::new(grid, phi))
+    Ok((LevelSet::new(grid, phi), MeshBoundary::new(boundary)))
 }
 
 fn check_grid(grid: &Grid) -> Result<(), MeshToLevelSetError> {

@@ -6,12 +6,31 @@ use crate::dual_contour::DualContour;
 use crate::grid::Grid;
 use crate::grid_solid::GridSolid;
 use crate::level_set::LevelSet;
+use crate::mesh_boundary::MeshBoundary;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Points on the surface of a solid in its grid frame [m], about `spacing` [m] apart but not closer
 /// than the grid's nodes: all corners, then points along edges, then on faces.
 pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
+    let contour = DualContour::new(solid);
+    let settle = |vertex: &Vertex| Vertex {
+        position: on_surface(vertex, &contour, solid.level_set()),
+        ..*vertex
+    };
+    apart(solid.grid(), spacing, contour.vertices.iter().map(settle).collect())
+}
+
+/// The same of a solid that was sampled from triangles: on these.
+pub fn mesh_samples(solid: &GridSolid, boundary: &MeshBoundary, spacing: f64) -> Vec<Vec3> {
+    let contour = DualContour::new(solid);
+    let settle = |vertex: &Vertex| boundary.settle(vertex, solid.grid().spacing);
+    apart(solid.grid(), spacing, contour.vertices.par_iter().map(settle).collect())
+}
+
+/// Vertices about `spacing` [m] apart, the sharpest first.
+fn apart(grid: &Grid, spacing: f64, mut vertices: Vec<Vertex>) -> Vec<Vec3> {
     // Accepted points this close keep others out; what is left between them is then filled with
     // gaps around `spacing`.
     const CLOSEST: f64 = 0.85;
@@ -22,18 +41,15 @@ pub fn surface_samples(solid: &GridSolid, spacing: f64) -> Vec<Vec3> {
     // other out.
     const SAME_SIDE: f64 = 0.3;
 
-    let grid = solid.grid();
-    let contour = DualContour::new(solid);
-    let mut sharpest_first: Vec<&Vertex> = contour.vertices.iter().collect();
-    sharpest_first.sort_by_key(|vertex| std::cmp::Reverse(vertex.sharpness));
+    vertices.sort_by_key(|vertex| std::cmp::Reverse(vertex.sharpness));
 
     let mut accepted = Buckets::new(grid, (CLOSEST * spacing).max(SAME_CORNER * grid.spacing));
-    for vertex in sharpest_first {
+    for vertex in vertices {
         let closest =
             if vertex.sharpness == 3 { SAME_CORNER * grid.spacing } else { CLOSEST * spacing };
-        let (position, normal) = (on_surface(vertex, &contour, solid.level_set()), vertex.normal);
-        if !accepted.any_near(position, closest, |other| other.normal.dot(normal) > SAME_SIDE) {
-            accepted.insert(Vertex { position, ..*vertex });
+        let same_side = |other: &Vertex| other.normal.dot(vertex.normal) > SAME_SIDE;
+        if !accepted.any_near(vertex.position, closest, same_side) {
+            accepted.insert(vertex);
         }
     }
     accepted.vertices.iter().map(|vertex| vertex.position.as_vec3()).collect()

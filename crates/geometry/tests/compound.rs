@@ -67,21 +67,70 @@ fn cubes_that_make_a_cube_are_one() {
     // 6 faces of 11 x 11, of which edges and corners are shared.
     assert_eq!(shape.samples().len(), 6 * 81 + 12 * 9 + 8);
 
-    // Each part's surface is closed, and what is not inside is the cube's.
+    // The surface is the cube's, without seams.
     let surface = compound.surface();
-    assert_eq!(surface.interior.len(), surface.mesh.triangles.len());
+    assert_eq!(surface.interior, vec![false; surface.mesh.triangles.len()]);
     assert!((surface.mesh.mass_properties().volume - 1.0).abs() < 1e-14);
-    let area = |interior: bool| {
-        let of = |&at: &usize| {
-            let [a, b, c] = surface.mesh.corners(at);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        let chosen = (0..surface.interior.len()).filter(|&at| surface.interior[at] == interior);
-        chosen.collect::<Vec<_>>().iter().map(of).sum::<f64>()
-    };
-    assert!((area(false) - 6.0).abs() < 1e-12 && (area(true) - 6.0).abs() < 1e-12);
+    assert!((surface.mesh.area() - 6.0).abs() < 1e-13);
+    assert_eq!(surface.mesh.positions.len(), 26);
     let info = surface.mesh.info();
-    assert!(info.watertight, "{info:?}");
+    assert!(info.watertight && info.parts == 1, "{info:?}");
+}
+
+/// A small block on a large one hides its own foot, and a part of the face that it stands on; what
+/// stands across an edge, or in a corner of three, leaves a closed surface too.
+#[test]
+fn faces_that_parts_turn_to_each_other_are_no_surface() {
+    let ground = || cuboid(DVec3::new(-2.0, -1.0, -2.0), DVec3::new(2.0, 0.0, 2.0));
+    let block = |x: f64, z: f64| {
+        cuboid(DVec3::new(x - 0.5, 0.0, z - 0.5), DVec3::new(x + 0.5, 1.0, z + 0.5))
+    };
+    // Area of the ground 2 (16 + 4 + 4), without what is covered; of a block 6, likewise.
+    for (blocks, area) in [
+        (vec![block(0.3, -0.4)], 48.0 - 1.0 + 5.0),
+        (vec![block(2.0, 0.1)], 48.0 - 0.5 + 5.5),
+        (vec![block(0.3, 0.0), block(1.0, 0.0), block(1.0, 1.0)], 0.0),
+        (vec![block(0.0, 0.0), block(1.0, 0.2)], 48.0 - 2.0 + 10.0 - 2.0 * 0.8),
+    ] {
+        let count = blocks.len();
+        let compound = Compound::new([vec![ground()], blocks].concat());
+        let surface = compound.surface();
+        let mesh = &surface.mesh;
+        assert!(mesh.is_watertight(), "{count}");
+        assert!((mesh.mass_properties().volume - 16.0 - count as f64).abs() < 1e-12);
+        // The first of the three blocks and the second overlap: their surfaces are as they were.
+        if count < 3 {
+            assert!((mesh.area() - area).abs() < 1e-12, "{}: {}", area, mesh.area());
+            for triangle in 0..mesh.triangles.len() {
+                let [a, b, c] = mesh.corners(triangle);
+                assert!((b - a).cross(c - a).length() > 1e-9);
+            }
+        }
+    }
+}
+
+/// Parts that meet but for rounding: turned, cut again and again, and welded.
+#[test]
+fn parts_of_a_cut_polyhedron_have_its_surface() {
+    let turn = RigidTransform::new(DQuat::from_scaled_axis(DVec3::new(0.4, -0.7, 1.1)), DVec3::ONE);
+    let mut parts = vec![Hull::cuboid(DVec3::new(1.0, 0.7, 0.01)).transformed(&turn)];
+    for n in 0..7 {
+        let normal = DVec3::new(f64::from(n * 37 % 11) - 5.0, f64::from(n * 29 % 13) - 6.0, 0.7);
+        let plane = HalfSpace { normal: turn.rotation * normal.normalize(), offset: 0.0 };
+        let offset = plane.normal.dot(turn.translation) + 0.05 * f64::from(n);
+        let plane = HalfSpace { offset, ..plane };
+        let halves = |part: &Hull| {
+            let mut cutter = frangible_geometry::CellCutter::new(part);
+            [cutter.part(&[plane]), cutter.part(&[plane.flipped()])].into_iter().flatten().collect()
+        };
+        parts = parts.iter().flat_map(|part| -> Vec<Hull> { halves(part) }).collect();
+    }
+    assert!(parts.len() > 15, "{}", parts.len());
+    let surface = Compound::new(parts).surface();
+    assert!(surface.mesh.is_watertight() && surface.mesh.parts() == 1);
+    let area = 8.0 * (0.7 + 0.01 + 0.007);
+    assert!((surface.mesh.area() / area - 1.0).abs() < 1e-9, "{} of {area}", surface.mesh.area());
+    assert!(!surface.interior.contains(&true));
 }
 
 /// A half-covered face is not glued; a face covered by two other parts is.

@@ -112,6 +112,9 @@ struct Candidate {
     approach: f64,
 }
 
+/// Candidates whose normals have at least this cosine press the same side: 45 degrees.
+const SAME_SIDE: f64 = 0.7;
+
 /// All samples of a pair that may touch within the frame.
 fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
     let (ahead, [first, second]) = (pair_motion.ahead, pair_motion.placed());
@@ -157,23 +160,25 @@ fn is_out_of_reach(of: Placed, other: Placed, reach: f64) -> bool {
 }
 
 /// Indices of the kept candidates: the deepest, then candidates with a cached impulse, then
-/// repeatedly the candidate furthest from all kept.
+/// repeatedly the candidate furthest beyond all kept. A candidate that lies higher above a kept one
+/// than beside it touches later, and is left out.
 fn choose(candidates: &[Candidate], has_carried: impl Fn(FeatureId) -> bool) -> Vec<usize> {
-    let distance = |a: usize, b: usize| {
-        candidates[a].contact.point.distance_squared(candidates[b].contact.point)
-    };
+    let beyond = |a: usize, b: usize| candidates[a].beyond(&candidates[b]);
     let deepest =
         (0..candidates.len()).min_by(|&a, &b| candidates[a].phi.total_cmp(&candidates[b].phi));
     let Some(deepest) = deepest else { return Vec::new() };
     let mut chosen = vec![deepest];
-    let mut away: Vec<f64> = (0..candidates.len()).map(|index| distance(index, deepest)).collect();
+    let mut away: Vec<f64> = (0..candidates.len()).map(|index| beyond(index, deepest)).collect();
     let mut keep = |next: usize, away: &mut Vec<f64>| {
-        for (index, away) in away.iter_mut().enumerate() {
-            *away = away.min(distance(index, next));
+        // Candidates left out stay out.
+        for (index, away) in away.iter_mut().enumerate().filter(|(_, away)| **away > 0.0) {
+            *away = away.min(beyond(index, next));
         }
+        away[next] = 0.0;
         chosen.push(next);
         chosen.len() < MOST_POINTS
     };
+    away[deepest] = 0.0;
 
     let mut room = true;
     for (index, candidate) in candidates.iter().enumerate() {
@@ -189,6 +194,18 @@ fn choose(candidates: &[Candidate], has_carried: impl Fn(FeatureId) -> bool) -> 
 }
 
 impl Candidate {
+    /// How much further this lies beside another candidate than above it [m]. A wall's points do
+    /// not lie above a floor's: of different normals the distance counts.
+    fn beyond(&self, other: &Self) -> f64 {
+        let between = self.contact.point - other.contact.point;
+        let normal = other.contact.normal;
+        if normal.dot(self.contact.normal) < SAME_SIDE {
+            return between.length();
+        }
+        let across = between - between.dot(normal) * normal;
+        across.length() - (self.phi - other.phi)
+    }
+
     /// Contact point between the sample and its foot on the other body.
     fn point(&self, pair_motion: &PairMotion) -> ManifoldPoint {
         let ContactPoint { point, normal } = self.contact;

@@ -1,8 +1,9 @@
 //! Contacts of pieces on one lattice: the faces between their voxels.
 
 use crate::interfaces::interface::{Contacts, Interface};
+use crate::interfaces::sections::{axes, section};
 use frangible_geometry::{Grid, GridSolid, HalfSpace};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Maximum difference of two sides of one crack plane, in units of the spacing.
@@ -10,6 +11,8 @@ const SAME_PLANE: f64 = 1e-6;
 /// A voxel face belongs to a crack plane that passes its centre this closely, in units of the
 /// spacing: half a voxel by construction, and as much again for where a break snaps to the lattice.
 const AT_PLANE: f64 = 1.0;
+/// A contact ends within this distance of its voxel faces, in units of the spacing.
+const SECTION_REACH: f64 = 1.5;
 /// Edge of the cubes in which a contact away from all shared planes counts as flat [voxels].
 const CUBE: usize = 4;
 /// No piece.
@@ -34,8 +37,9 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
         let shared = planes
             .entry(face.pieces)
             .or_insert_with(|| shared_planes(solids[a as usize], solids[b as usize], spacing));
-        let sum = parts.entry((a, b, face.part(shared, spacing))).or_default();
-        sum.add(&face);
+        let part = face.part(shared, spacing);
+        let plane = if let Part::OnPlane(plane) = part { Some(&shared[plane]) } else { None };
+        parts.entry((a, b, part)).or_default().add(&face, plane);
     });
 
     // Cracks at a slant leave the material between nodes.
@@ -45,14 +49,27 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             let (a, b) = (face.pieces.0.min(other), face.pieces.0.max(other));
             let direction = if a == other { -face.direction } else { face.direction };
             if let Some(sum) = parts.get_mut(&(a, b, Part::OnPlane(plane))) {
-                sum.add(&Face { direction, ..face });
+                sum.add(&Face { direction, ..face }, Some(&planes[&(a, b)][plane]));
             }
         }
     });
 
     // A part on a plane has the plane's normal; what its staircase has across it comes from its
     // rim.
+    let reach = SECTION_REACH * spacing;
     for ((a, b, part), sum) in parts {
+        if let Part::OnPlane(plane) = part {
+            let plane = &planes[&(a, b)][plane];
+            let pair = [a, b].map(|piece| solids[piece as usize]);
+            let around = (sum.low - reach, sum.high + reach);
+            let is_between = |point| lattice.is_between([a, b], point);
+            if let Some((area, moment)) = section(pair, plane, around, is_between) {
+                if area > 0.0 {
+                    contacts.add((a as usize, b as usize), area * plane.normal, moment / area);
+                }
+                continue;
+            }
+        }
         let vector = match part {
             Part::OnPlane(plane) => {
                 let normal = planes[&(a, b)][plane].normal;
@@ -75,7 +92,7 @@ enum Part {
 }
 
 /// The voxel faces of one part.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct PartSum {
     /// Number of faces, weighted by their fill.
     weight: f64,
@@ -83,13 +100,34 @@ struct PartSum {
     vector: DVec3,
     /// Sum of their centres, grid frame [m].
     moment: DVec3,
+    /// On a plane the lowest and highest corner of the rectangle around their centres, along the
+    /// plane's [`axes`] [m].
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Default for PartSum {
+    fn default() -> Self {
+        Self {
+            weight: 0.0,
+            vector: DVec3::ZERO,
+            moment: DVec3::ZERO,
+            low: DVec2::INFINITY,
+            high: DVec2::NEG_INFINITY,
+        }
+    }
 }
 
 impl PartSum {
-    fn add(&mut self, face: &Face) {
+    fn add(&mut self, face: &Face, plane: Option<&HalfSpace>) {
         self.weight += face.filled;
         self.vector += face.filled * face.direction;
         self.moment += face.filled * face.center;
+        if let Some(plane) = plane {
+            let at = DVec2::from_array(axes(plane).map(|axis| axis.dot(face.center)));
+            self.low = self.low.min(at);
+            self.high = self.high.max(at);
+        }
     }
 }
 
@@ -237,6 +275,36 @@ impl Lattice {
             }
         }
         Some(Self { grid, owner, coverage })
+    }
+
+    /// True if a point is between two pieces, and not between others of their cells: both have a
+    /// voxel in its cell or beside it, or one has and no third piece. A wedge thinner than half a
+    /// voxel has none.
+    fn is_between(&self, [a, b]: [u32; 2], point: DVec3) -> bool {
+        let place = self.grid.lattice_from_point(point).to_array();
+        let range = |axis: usize, margin: i64| {
+            let low = libm::floor(place[axis]) as i64;
+            let last = self.grid.dims[axis] as i64 - 1;
+            (low - margin).max(0)..=(low + 1 + margin).min(last)
+        };
+        let mut near = [false; 3];
+        for margin in 0..2 {
+            for k in range(2, margin) {
+                for j in range(1, margin) {
+                    let row = self.grid.index(0, j as usize, k as usize);
+                    for i in range(0, margin) {
+                        let owner = self.owner[row + i as usize];
+                        near[0] |= owner == a;
+                        near[1] |= owner == b;
+                        near[2] |= owner != a && owner != b && owner != NONE;
+                    }
+                }
+            }
+            if near[0] && near[1] {
+                return true;
+            }
+        }
+        (near[0] || near[1]) && !near[2]
     }
 
     /// Visits each pair of neighbouring voxels of two pieces.

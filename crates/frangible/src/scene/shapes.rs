@@ -5,10 +5,10 @@ use crate::scene::desc::{PartDesc, Resolution, ShapeDesc, SidesDesc};
 use crate::scene::piece_file::load_mesh;
 use frangible_geometry::{
     ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, Sides, StaticMesh,
-    TriMesh, heightfield_mesh, solids_to_level_set, surface_samples,
+    TriMesh, heightfield_mesh, mesh_samples, solids_and_boundary, surface_samples,
 };
 use frangible_math::RigidTransform;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -159,7 +159,7 @@ fn from_form(
     let voxels = voxels_for(low, high, resolution, at)?;
     let solid = GridSolid::from_closed_form(form, voxels, MARGIN)
         .map_err(|_| at.broken("a half-space", "a shape with a volume to be sampled"))?;
-    sampled(solid, resolution, at)
+    sampled(solid, surface_samples, resolution, at)
 }
 
 /// The convex hull of points, or its samples.
@@ -175,7 +175,7 @@ fn from_points(
         return convex(hull, resolution, &at.field("points"));
     }
     let voxels = voxels_for(low, high, resolution, at)?;
-    sampled(GridSolid::from_hull(hull, voxels, MARGIN), resolution, at)
+    sampled(GridSolid::from_hull(hull, voxels, MARGIN), surface_samples, resolution, at)
 }
 
 fn hull_of(points: &[[f64; 3]], at: &Checker) -> Result<Hull, BuildError> {
@@ -229,7 +229,8 @@ fn from_parts(
     }
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
     let level_set = LevelSet::sample(grid, |point| compound.distance_and_gradient(point).0);
-    sampled(GridSolid::from_level_set(level_set), resolution, at)
+    let solid = GridSolid::from_level_set(level_set);
+    sampled(solid, |_, spacing| compound.samples(spacing), resolution, at)
 }
 
 /// A convex polyhedron as it is.
@@ -323,9 +324,10 @@ fn from_mesh(
     let clean = mesh.cleaned(name)?;
     let (low, high) = clean.mesh.bounds();
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
-    let level_set = solids_to_level_set(&clean, grid)
+    let (level_set, boundary) = solids_and_boundary(&clean, grid)
         .map_err(|error| BuildError::Sampling { path: name.into(), error })?;
-    sampled(GridSolid::from_level_set(level_set), resolution, at)
+    let solid = GridSolid::from_level_set(level_set);
+    sampled(solid, |solid, spacing| mesh_samples(solid, &boundary, spacing), resolution, at)
 }
 
 /// Distance between surface samples of what is not on a grid [m].
@@ -348,8 +350,14 @@ fn check_spacing(spacing: f64, extent: DVec3, at: &Checker) -> Result<f64, Build
     )
 }
 
-/// Surface samples, mass and principal axes of a solid on a grid.
-fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Shape, BuildError> {
+/// Mass and principal axes of a solid on a grid, with the surface samples that `samples_of` finds
+/// at a spacing [m].
+fn sampled(
+    solid: GridSolid,
+    samples_of: impl Fn(&GridSolid, f64) -> Vec<Vec3>,
+    resolution: &Resolution,
+    at: &Checker,
+) -> Result<Shape, BuildError> {
     let voxels = at.field("resolution.voxels");
     let [x, y, z] = solid.grid().dims.map(|nodes| nodes - 2 * MARGIN);
     let given = format!("[{x}, {y}, {z}]");
@@ -359,7 +367,7 @@ fn sampled(solid: GridSolid, resolution: &Resolution, at: &Checker) -> Result<Sh
     let spacing = resolution.sample_spacing.unwrap_or(SAMPLE_VOXELS * solid.grid().spacing);
     let (low, high) = solid.grid().bounds();
     let spacing = check_spacing(spacing, high - low, at)?;
-    let samples = surface_samples(&solid, spacing);
+    let samples = samples_of(&solid, spacing);
     Shape::from_grid_solid(solid, samples)
         .map_err(|error| voxels.broken(&given, &format!("finer: {error}")))
 }

@@ -3,6 +3,7 @@
 use crate::report::at_rest::at_rest;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
+use crate::scene::pattern_choice::PatternChoice;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, BodyId, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
@@ -13,6 +14,14 @@ use frangible_fracture::{
 };
 use glam::DVec3;
 use std::sync::Arc;
+
+/// Energy of the coarsest break, relative to what a blow has, above which finer ones are not looked
+/// at: more pieces have more crack area, but for the places of the cracks.
+const HOPELESS: f64 = 2.0;
+
+/// The same of a break with plain faces in the place of rough ones, which have no less area, but
+/// for what the grid makes of both.
+const PLAIN: f64 = 1.1;
 
 /// A body in pieces that are about to take its place.
 pub(crate) struct Break {
@@ -135,29 +144,22 @@ fn crack(
         f64::INFINITY
     };
 
-    let mut can_split = false;
     let shape = world.bodies.shapes[parent].clone();
     let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
-    for (pattern, fragments) in (0..).map_while(|step| breaking.choice.cut(step, cut)) {
-        if fragments.len() < 2 {
-            continue;
+    let energy_of = |fragments: &[Fragment]| {
+        if energy_per_area <= 0.0 {
+            return 0.0;
         }
-        can_split = true;
-        let spent = if energy_per_area > 0.0 {
-            energy_per_area
-                * interfaces(&fragments).iter().map(|interface| interface.area).sum::<f64>()
-        } else {
-            0.0
-        };
-        if spent <= available {
-            if spent > 0.0 {
-                repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
-            }
-            let &Blow { striker, point_world, impulse, borne, .. } = blow;
-            let cause = Cause { striker, point_world, impulse, borne };
-            let breaking = Some(breaking);
-            return Some(Break { parent, breaking, pattern, fragments, spent, cause });
+        energy_per_area * interfaces(fragments).iter().map(|interface| interface.area).sum::<f64>()
+    };
+    let (chosen, can_split) = choose_break(&breaking.choice, cut, energy_of, available);
+    if let Some((pattern, fragments, spent)) = chosen {
+        if spent > 0.0 {
+            repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
         }
+        let &Blow { striker, point_world, impulse, borne, .. } = blow;
+        let cause = Cause { striker, point_world, impulse, borne };
+        return Some(Break { parent, breaking: Some(breaking), pattern, fragments, spent, cause });
     }
     if can_split || breaking.shatter.reach.is_some() {
         // Too little energy for this time, or nothing in reach.
@@ -167,6 +169,43 @@ fn crack(
         world.bodies.surfaces[parent].strength = f64::INFINITY;
     }
     None
+}
+
+/// The finest break that a blow has energy for, with this energy [J], and true if the body could
+/// split at all.
+fn choose_break(
+    choice: &PatternChoice,
+    cut: impl Fn(&Pattern) -> Vec<Fragment>,
+    energy_of: impl Fn(&[Fragment]) -> f64,
+    available: f64,
+) -> (Option<(Arc<Pattern>, Vec<Fragment>, f64)>, bool) {
+    // The coarsest first: many blows have not even the energy for that.
+    let coarsest = choice.steps().saturating_sub(1);
+    if available.is_finite()
+        && coarsest > 0
+        && let Some(draft) = choice.draft(coarsest, &cut)
+        && draft.fragments.len() > 1
+        && energy_of(&draft.fragments) > HOPELESS * available
+    {
+        return (None, true);
+    }
+
+    let mut can_split = false;
+    for draft in (0..).map_while(|step| choice.draft(step, &cut)) {
+        if draft.fragments.len() < 2 {
+            continue;
+        }
+        can_split = true;
+        if draft.is_plain() && energy_of(&draft.fragments) > PLAIN * available {
+            continue;
+        }
+        let (pattern, fragments) = choice.finish(draft, &cut);
+        let spent = energy_of(&fragments);
+        if fragments.len() > 1 && spent <= available {
+            return (Some((pattern, fragments, spent)), true);
+        }
+    }
+    (None, can_split)
 }
 
 /// A fragment's name, and how it breaks in turn: as the parent, but once less and not below the
