@@ -101,8 +101,11 @@ impl World {
             let middle = breaking.center.map(|at| shape.body_from_grid.point(at));
             let impact = Impact { point_body: middle.unwrap_or(point_body), normal_body };
             let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
-            match breaking.choice.cut(0, cut) {
-                Some(made) => self.part(dense, point, made, Some(breaking)),
+            let choice = breaking.choice.clone();
+            match choice.draft(0, cut) {
+                Some(draft) => {
+                    self.part(dense, point, choice.finish(draft, cut), Some(breaking))
+                }
                 None => Vec::new(),
             }
         };
