@@ -103,9 +103,7 @@ impl World {
             let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
             let choice = breaking.choice.clone();
             match choice.draft(0, cut) {
-                Some(draft) => {
-                    self.part(dense, point, choice.finish(draft, cut), Some(breaking))
-                }
+                Some(draft) => self.part(dense, point, choice.finish(draft, cut), Some(breaking)),
                 None => Vec::new(),
             }
         };
