@@ -16,7 +16,7 @@ from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, readable_mesh
 from .io.reading import file_fault
 from .material_presets import PRESETS
 from .recording import Float64
-from .scene_types import Body, Bonds, Breaking, HalfSpace, Mesh, SceneDesc, Sphere, Starts
+from .scene_types import Body, Bonds, Breaking, HalfSpace, Look, Mesh, SceneDesc, Sphere, Starts
 from .words import did_you_mean
 
 #: Metres in a unit.
@@ -58,7 +58,7 @@ class Wishes:
     #: Downwards [m/s^2].
     gravity: float = GRAVITY
     #: What it looks like, if not like its material.
-    look: str | None = None
+    look: Look | None = None
     up: Literal["y", "z"] | None = None
     #: A name of `UNITS`.
     unit: str | None = None
