@@ -104,7 +104,7 @@ site: $(VENV)/.installed $(PLAYGROUND) tests/tools/node_modules/.package-lock.js
 # Nothing is published. Crates that wait for one another on crates.io are packed, and not compiled from there.
 publish-check: build $(NPM) ## Pack crates, wheel and npm package as for publishing, and look at what is in them
 	cargo package --locked --no-verify --allow-dirty $(foreach crate,$(CRATES),--package $(crate))
-	$(BIN)/python -m zipfile --list target/wheels/frangible-*.whl | tail -n +2 | wc -l
+	ls -l target/package/*.crate target/wheels/*.whl
 	cd web && node npm/check.mjs
 
 # Vectors are tested with the page; this takes minutes to compile, so `make test` leaves it out.

@@ -72,13 +72,18 @@ def test_what_waits_in_the_docs_does(tmp_path: Path) -> None:
 
 
 def test_what_the_docs_throw_breaks_the_wall(monkeypatch: pytest.MonkeyPatch) -> None:
-    (script,) = blocks("docs/direction.md", "python")
+    script, by_hand = blocks("docs/direction.md", "python")
     monkeypatch.chdir(ROOT)
     names: dict[str, Any] = {}
     exec(script, names)
     world = names["world"]
     assert names["thrown"] not in world.ids
     assert len(world.ids) > 10
+
+    names = {}
+    exec(by_hand, names)
+    assert names["work"] > 0
+    assert len(names["pieces"]) > 2
 
 
 def test_materials_of_the_docs_build() -> None:
