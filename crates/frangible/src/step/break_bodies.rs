@@ -153,7 +153,7 @@ fn crack(
         energy_per_area * interfaces(fragments).iter().map(|interface| interface.area).sum::<f64>()
     };
     let (chosen, can_split) = choose_break(&breaking.choice, cut, energy_of, available);
-    if let Some((pattern, fragments, spent)) = chosen {
+    if let Some(Chosen { pattern, fragments, spent }) = chosen {
         if spent > 0.0 {
             repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
         }
@@ -171,14 +171,21 @@ fn crack(
     None
 }
 
-/// The finest break that a blow has energy for, with this energy [J], and true if the body could
-/// split at all.
+/// A break that a blow has energy for.
+struct Chosen {
+    pattern: Arc<Pattern>,
+    fragments: Vec<Fragment>,
+    /// Energy of its cracks [J].
+    spent: f64,
+}
+
+/// The finest break that a blow has energy for, and true if the body could split at all.
 fn choose_break(
     choice: &PatternChoice,
     cut: impl Fn(&Pattern) -> Vec<Fragment>,
     energy_of: impl Fn(&[Fragment]) -> f64,
     available: f64,
-) -> (Option<(Arc<Pattern>, Vec<Fragment>, f64)>, bool) {
+) -> (Option<Chosen>, bool) {
     // The coarsest first: many blows have not even the energy for that.
     let coarsest = choice.steps().saturating_sub(1);
     if available.is_finite()
@@ -202,7 +209,7 @@ fn choose_break(
         let (pattern, fragments) = choice.finish(draft, &cut);
         let spent = energy_of(&fragments);
         if fragments.len() > 1 && spent <= available {
-            return (Some((pattern, fragments, spent)), true);
+            return (Some(Chosen { pattern, fragments, spent }), true);
         }
     }
     (None, can_split)
