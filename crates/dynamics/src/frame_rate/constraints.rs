@@ -16,10 +16,6 @@ pub(super) const SAME_NORMAL: f64 = 1.0 - 1e-5;
 /// vanished points, and near points count as touching for sleep.
 pub(super) const NEAR: f64 = 0.2;
 
-/// Approach speed of a bounce beyond gravity's speed gain along the normal in a frame, which is
-/// that of resting contacts [m/s].
-const LEAST_BOUNCE: f64 = 1e-3;
-
 /// Points of a manifold in one constraint.
 #[derive(Clone, Copy)]
 pub(super) struct Selection {
@@ -107,8 +103,6 @@ pub(super) struct Constraint {
     pub(super) twist_impulse: f64,
     pub(super) rolling_impulse: [f64; 2],
     pub(super) surface: PairSurface,
-    /// Approach speed above which the bodies bounce [m/s].
-    pub(super) least_bounce: f64,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: f64,
 }
@@ -222,7 +216,6 @@ impl Source<'_> {
             twist_impulse: 0.0,
             rolling_impulse: [0.0; 2],
             surface: bodies.pair_surface(pair.first, pair.second),
-            least_bounce: LEAST_BOUNCE + frame.dt * frame.gravity.dot(normal).abs(),
             gravity: (of(1) - of(0)).dot(normal),
         };
         self.warm(&mut constraint, h, NEAR * frame.speculative_margin());

@@ -73,8 +73,6 @@ pub(super) struct ContactBatch<I> {
     pub(super) restitution: Single<I>,
     /// Lanes with restitution.
     pub(super) bounces: Mask,
-    /// Threshold velocity of restitution, negative: a faster approach bounces [m/s].
-    pub(super) bounce_velocity: Single<I>,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: Single<I>,
     /// Sums over the frame: impulses along normal and tangents [N s].
@@ -133,7 +131,6 @@ impl<I: Instructions> ContactBatch<I> {
             rolling: None,
             restitution: zero,
             bounces: Mask::NONE,
-            bounce_velocity: zero,
             gravity: zero,
             frame_impulse: [zero; 3],
             recovery: zero,
@@ -194,7 +191,6 @@ impl<I: Instructions> ContactBatch<I> {
                 rolling.impulse[k].set(lane, constraint.rolling_impulse[k]);
             }
         }
-        self.bounce_velocity.set(lane, -constraint.least_bounce);
         self.gravity.set(lane, constraint.gravity);
     }
 

@@ -26,6 +26,10 @@ const DAMPING_RATIO: f64 = 0.5;
 /// decays to 1/e. With 2, towers of seventy cubes fall; with 8, they lean.
 const RECOVERY_FRAMES: f64 = 4.0;
 
+/// Minimum approach speed of a bounce without gravity [m/s]. With gravity the threshold is
+/// gravity's speed gain in a frame, the approach speed of resting contacts.
+const LEAST_BOUNCE: f64 = 1e-3;
+
 /// Batches per task of [`Group::ask`]: ten microseconds of work.
 const SHARE: usize = 64;
 
@@ -137,12 +141,14 @@ impl<I: Instructions> Group<I> {
 
     /// All substeps of the frame: gravity, impacts, warm starting, soft sweep, drift, rigid sweep.
     pub(super) fn run(&mut self, bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) {
+        let bounce = (frame.gravity.length() * frame.dt).max(LEAST_BOUNCE);
         let substep = Substep {
             h: Single::splat(self.h),
             per_second: Single::splat(1.0 / self.h),
             soft: Softness::new(CONTACT_RATE / self.h, DAMPING_RATIO, self.h),
             recovery_rate: Single::splat(1.0 / (RECOVERY_FRAMES * frame.dt)),
             recovery_speed: Single::splat(frame.settings.recovery_speed),
+            bounce_velocity: Single::splat(-bounce),
         };
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());

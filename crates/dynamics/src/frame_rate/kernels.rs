@@ -36,6 +36,8 @@ pub(super) struct Substep<I> {
     pub(super) recovery_rate: Single<I>,
     /// Maximum speed of penetration recovery [m/s].
     pub(super) recovery_speed: Single<I>,
+    /// Threshold velocity of restitution, negative: a faster approach bounces [m/s].
+    pub(super) bounce_velocity: Single<I>,
 }
 
 /// Soft-constraint coefficients [Cat24].
@@ -286,7 +288,7 @@ impl<I: Instructions> ContactBatch<I> {
                 given_up[i] = is_open.select(zero, substep.soft.impulse);
             } else {
                 // Keep an approach that will bounce in the next substep.
-                let bounce = self.bounce_velocity;
+                let bounce = substep.bounce_velocity;
                 let passes = bounce.above(velocity[i]).and(self.bounces);
                 let twice = velocity[i] + velocity[i];
                 let may_meet = zero.above(separation + twice * substep.h);

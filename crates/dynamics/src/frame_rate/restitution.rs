@@ -153,7 +153,7 @@ impl<I: Instructions> ContactBatch<I> {
             time[i] = (separation / closing).max(clock).min(substep.h);
             let later = self.gravity * (substep.h - time[i]);
             let at_impact = velocity - later;
-            let is_fast = self.bounce_velocity.above(at_impact);
+            let is_fast = substep.bounce_velocity.above(at_impact);
             meets[i] = zero.above(separation + velocity * substep.h);
             target[i] = is_fast.select(later - self.restitution * at_impact, zero);
             let hit = is_fast.and(meets[i]);
@@ -161,7 +161,7 @@ impl<I: Instructions> ContactBatch<I> {
             hits = hits.or(hit);
             let to_meet = separation * substep.per_second + velocity;
             let slowest = velocity - (self.gravity * substep.h).max(zero);
-            needs = needs.min(to_meet.max(slowest - self.bounce_velocity));
+            needs = needs.min(to_meet.max(slowest - substep.bounce_velocity));
         }
         let hits = hits.and(self.bounces);
         let (hits, waits) =
