@@ -46,11 +46,11 @@ pub use scene::desc::breaking::{
 };
 pub use scene::desc::mass_properties::MassDesc;
 pub use scene::desc::read::{no_json, read, schema};
+pub use scene::desc::shape::{PartDesc, Resolution, ShapeDesc, SidesDesc};
 pub use scene::desc::starts::{StartsDesc, StartsWhen};
 pub use scene::desc::strength_points::StrengthPointDesc;
 pub use scene::desc::{
-    BodyDesc, KeyframeDesc, LookDesc, Method, MotionDesc, PartDesc, Quality, Resolution, SceneDesc,
-    ShapeDesc, SidesDesc, SolverDesc,
+    BodyDesc, KeyframeDesc, LookDesc, Method, MotionDesc, Quality, SceneDesc, SolverDesc,
 };
 pub use scene::fineness::{Fineness, Found};
 pub use scene::pattern_choice::PatternChoice;

@@ -2,7 +2,8 @@
 
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
-use crate::scene::desc::{BodyDesc, Method, MotionDesc, ShapeDesc};
+use crate::scene::desc::shape::ShapeDesc;
+use crate::scene::desc::{BodyDesc, Method, MotionDesc};
 use crate::scene::pattern_choice::PatternChoice;
 use crate::scene::shapes::Make;
 use crate::scene::strength::Strength;

@@ -6,9 +6,8 @@ use crate::scene::bonds::build_bonds;
 use crate::scene::breaking::{build_breaking, check_breaking, fit_to_shape, make_to_break};
 use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::breaking::BondsDesc;
-use crate::scene::desc::{
-    BodyDesc, Method, MotionDesc, Resolution, SceneDesc, ShapeDesc, SolverDesc,
-};
+use crate::scene::desc::shape::{Resolution, ShapeDesc};
+use crate::scene::desc::{BodyDesc, Method, MotionDesc, SceneDesc, SolverDesc};
 use crate::scene::own_mass::with_own_mass;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};

@@ -2,7 +2,7 @@
 //! a file of a folder; what is known of their contacts stands beside them.
 
 use crate::scene::check::{BuildError, Checker};
-use crate::scene::desc::ShapeDesc;
+use crate::scene::desc::shape::ShapeDesc;
 use frangible_fracture::{Interface, closed_parts};
 use frangible_geometry::{MassProperties, TriMesh, mesh_io, read_file};
 use glam::DVec3;

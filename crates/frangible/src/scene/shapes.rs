@@ -1,7 +1,7 @@
 //! Shapes from their descriptions; equal descriptions share one shape.
 
 use crate::scene::check::{BuildError, Checker};
-use crate::scene::desc::{PartDesc, Resolution, ShapeDesc, SidesDesc};
+use crate::scene::desc::shape::{PartDesc, Resolution, ShapeDesc, SidesDesc};
 use crate::scene::piece_file::load_mesh;
 use frangible_geometry::{
     ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, Sides, StaticMesh,

@@ -134,7 +134,8 @@ pub(crate) fn take_out(world: &mut World, culprits: &[Quarantined]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::desc::{BodyDesc, SceneDesc, ShapeDesc};
+    use crate::scene::desc::shape::ShapeDesc;
+    use crate::scene::desc::{BodyDesc, SceneDesc};
     use crate::step;
     use glam::DVec3;
 
