@@ -8,7 +8,7 @@ from typing import NotRequired, TypedDict
 class Causes(TypedDict):
     """Energy change of all dynamic bodies in the frame by cause [J]; the sum is E(n+1) - E(n)."""
 
-    #: Kinematic bodies.
+    #: Kinematic bodies, and what a caller did between frames.
     work: float
     #: Impacts: the energy of an approach that restitution does not give back.
     collision: float
@@ -34,7 +34,7 @@ class Energy(TypedDict):
     #: Relative to the world's origin.
     potential: float
     total: float
-    #: That kinematic bodies did in this frame.
+    #: That kinematic bodies did in this frame, and a caller before it.
     work: float
     #: Growth of the ledger's banks in this frame: energy that was dissipated and may be spent
     #: again.

@@ -31,9 +31,10 @@ export class Clock {
     return Math.floor(this.time);
   }
 
-  /** Let time pass [s]; at the end the recording stops. */
+  /** Let time pass [s], if there is any; at the end the recording stops. */
   advance(seconds: number): void {
-    if (!this.playing) return;
+    // A page's first picture may be older than the clock that it is drawn by.
+    if (!this.playing || seconds < 0) return;
     this.time = Math.min(this.time + seconds * this.speed * this.film.fps, this.frames);
     if (this.time < this.frames || this.film.grows) return;
     if (this.loop) this.time = 0;

@@ -167,8 +167,8 @@ export class Player {
   /** Go on for ever. */
   start(): void {
     const turn = (now: number): void => {
-      this.update(now);
       requestAnimationFrame(turn);
+      this.update(now);
     };
     requestAnimationFrame(turn);
   }

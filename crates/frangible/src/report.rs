@@ -55,8 +55,8 @@ pub struct Energy {
     pub potential: f64,
     /// Their sum.
     pub total: f64,
-    /// Work of kinematic bodies in this frame and of the caller's hand, plus the work of penetration recovery, which is
-    /// bounded by overlap depth and `recovery_speed`.
+    /// Work of kinematic bodies in this frame and of the caller's hand, plus the work of
+    /// penetration recovery, which is bounded by overlap depth and `recovery_speed`.
     pub work: f64,
     /// Growth of the ledger's banks in this frame: dissipated energy available for reuse.
     pub banked: f64,

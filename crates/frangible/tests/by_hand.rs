@@ -5,7 +5,7 @@
 use frangible::fracture::Voronoi;
 use frangible::{
     BodyDesc, BodyId, BondsDesc, BreakingDesc, MaterialName, PatternDesc, Resolution, SceneDesc,
-    ShapeDesc, StrengthDesc, World, id_number, step,
+    ShapeDesc, StartsDesc, StrengthDesc, World, id_number, step,
 };
 use glam::DVec3;
 
@@ -270,12 +270,30 @@ fn a_glued_body_comes_apart_along_a_plane() {
     assert!((sum - before).abs() < 1e-9 * before);
 }
 
+/// Not before it starts: its pieces would not have its velocity.
+#[test]
+fn what_waits_is_not_parted() {
+    for body in [breakable(cuboid([1.0; 3])), glued(cuboid([1.0; 3]))] {
+        let starts = Some(StartsDesc { frame: Some(2), when: None });
+        let (mut world, id) = in_space(BodyDesc { starts, ..body });
+        let told = world.cut(id, DVec3::ZERO, DVec3::Y).unwrap_err().to_string();
+        assert_eq!(told, "body: waiting, must be started before");
+        assert!(world.burst(id, DVec3::ZERO, 1.0).is_err());
+        step(&mut world);
+        step(&mut world);
+        step(&mut world);
+        assert!(world.cut(id, DVec3::ZERO, DVec3::Y).unwrap().len() > 1);
+    }
+}
+
 /// What the next report is to tell, and what is held, are part of a snapshot.
 #[test]
 fn snapshots_hold_what_hands_did() {
     let (mut world, id) =
         on_the_ground(breakable(BodyDesc { position: [0.0, 1.0, 0.0], ..cuboid([1.0; 3]) }));
+    world.hold(id, DVec3::ZERO, DVec3::Y, 1.0).unwrap();
     let halves = world.cut(id, DVec3::Y, DVec3::new(1.0, 2.0, 0.0)).unwrap();
+    assert!(!world.let_go(id), "what was cut slips out of the hand");
     world.hold(halves[0], DVec3::ZERO, DVec3::new(0.5, 2.0, 0.0), 1e5).unwrap();
     world.apply_impulse(halves[1], DVec3::Z * 500.0, DVec3::Y).unwrap();
     let mut other = World::restore(&world.snapshot().unwrap()).unwrap();

@@ -91,7 +91,7 @@ class Playground {
         if (this.tools.dragged !== null) return this.tools.drop();
         return say(told.sentence, 6000);
       case "built":
-        say("");
+        hush();
         this.footage = null;
         this.fps = told.framesPerSecond;
         return;
@@ -299,8 +299,9 @@ class Playground {
     try {
       this.dropped = await readMesh(file.name, await file.arrayBuffer());
     } catch (error) {
-      return say(`${file.name}: ${error instanceof Error ? error.message : String(error)}`);
+      return say(`${file.name}: ${error instanceof Error ? error.message : String(error)}`, 8000);
     }
+    say(`${file.name} is being built …`);
     const menu = select("shape");
     if (menu.querySelector('[value="dropped"]') === null) menu.append(new Option("", "dropped"));
     menu.querySelector('[value="dropped"]')!.textContent = file.name;
@@ -311,9 +312,15 @@ class Playground {
 
 let silence = 0;
 
+/** Say nothing more, but for what is said for a while. */
+function hush(): void {
+  if (silence === 0) say("");
+}
+
 /** Say something, for a while or until the next sentence; nothing says nothing. */
 function say(sentence: string, milliseconds = 0): void {
   clearTimeout(silence);
+  silence = 0;
   element("message").textContent = sentence;
   element("message").hidden = sentence === "";
   if (milliseconds > 0) silence = setTimeout(() => say(""), milliseconds) as unknown as number;

@@ -4,7 +4,7 @@ use crate::report::{Fracture, id_from_number};
 use crate::scene::check::{BuildError, Checker};
 use crate::step::bonds::fall_apart::{Broken, fall_apart};
 use crate::step::break_bodies::{Break, Cause, replace};
-use crate::world::{Breaking, World};
+use crate::world::{Breaking, Label, World};
 use frangible_bodies::{BodyId, Motion};
 use frangible_fracture::{
     Fragment, Impact, Interface, Pattern, RigidPiece, ShatterSettings, Smallest, shatter,
@@ -114,8 +114,9 @@ impl World {
     /// Dense index of a body that is no static shape.
     fn parted_by_hand(&self, id: BodyId) -> Result<usize, BuildError> {
         let dense = self.living(id)?;
-        let is_glued = self.labels[dense].bonds.is_some();
-        if is_glued && self.bodies.motions[dense] == Motion::Static {
+        let Label { bonds, waiting, .. } = &self.labels[dense];
+        let is_anchored = bonds.is_some() && self.bodies.motions[dense] == Motion::Static;
+        if is_anchored && waiting.is_none() {
             return Ok(dense);
         }
         self.moved_by_hand(id)
@@ -157,11 +158,13 @@ impl World {
         self.report_later(fractures)
     }
 
-    /// Keeps breaks for the next report; returns the pieces.
+    /// Keeps breaks for the next report, and lets go of what is gone; returns the pieces.
     fn report_later(&mut self, fractures: Vec<Fracture>) -> Vec<BodyId> {
         let pieces = fractures.iter().flat_map(|fracture| &fracture.fragments);
         let ids = pieces.map(|&id| id_from_number(id)).collect();
         self.hand.handled.fractures.extend(fractures);
+        let bodies = &self.bodies;
+        self.hand.grips.retain(|grip| bodies.index_of(grip.body).is_some());
         ids
     }
 
