@@ -57,11 +57,13 @@ pub(crate) fn core_points(
         let point = core.point().and_then(|point| {
             let mut shapes = convex_shapes;
             shapes[side] = ConvexShape::Ball(radius);
-            let seams = Seams::new(pair_motion, shapes, [None; 2]);
-            match seams.and_then(|seams| seams.plane_over(&[point])) {
-                Some(plane) => BallContact { other: ConvexShape::Ground(plane), ..core }.point(),
-                None => Some(point),
-            }
+            let Some(seams) = Seams::new(pair_motion, shapes, [None; 2]) else {
+                return Some(point);
+            };
+            let Some(plane) = seams.plane_over(&[point]) else { return Some(point) };
+            let on_plane = BallContact { other: ConvexShape::Ground(plane), ..core }.point();
+            on_plane
+                .map(|on_plane| if seams.is_on_face(&on_plane, &plane) { on_plane } else { point })
         });
         let point = point
             .filter(|point| point.gap <= pair_motion.near + pair_motion.ahead * point.approach);

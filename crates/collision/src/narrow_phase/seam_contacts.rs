@@ -41,7 +41,9 @@ pub(crate) fn mend_seams(
         }
         let mut shapes = shapes;
         shapes[seams.side] = ConvexShape::Ground(plane);
-        let _ = exact_points(pair_motion, shapes, scratch, points);
+        let mut on_plane = Vec::new();
+        let _ = exact_points(pair_motion, shapes, scratch, &mut on_plane);
+        points.extend(on_plane.into_iter().filter(|point| seams.is_on_face(point, &plane)));
     }
     true
 }

@@ -98,13 +98,26 @@ impl<'a> Seams<'a> {
             let goes_on = |point: &ManifoldPoint| {
                 let foot = at(point) - plane.distance(at(point)) * plane.normal;
                 let is_inner = || reaches(corners, foot, aside, self.width);
-                leans && is_inner() || self.goes_on(foot, plane.normal, aside)
+                leans && is_inner() || self.goes_on(foot, plane.normal, Some(aside))
             };
             if height >= -self.width && is_better && points.iter().all(goes_on) {
                 best = Some((height, plane));
             }
         });
         best.map(|(_, plane)| plane)
+    }
+
+    /// True for a point of contact with a plane that lies on a face: a plane has no borders, a face
+    /// with a hole beside it has.
+    pub(crate) fn is_on_face(&self, point: &ManifoldPoint, plane: &HalfSpace) -> bool {
+        let at = if self.side == 0 { point.anchor_first } else { point.anchor_second };
+        let foot = at - plane.distance(at) * plane.normal;
+        let mut is_own = false;
+        visit_faces(&self.fixed, foot, self.width, |face, corners| {
+            is_own |= face.normal.dot(plane.normal) >= FLAT
+                && outside(foot, &face, corners) <= self.width;
+        });
+        is_own || self.goes_on(foot, plane.normal, None)
     }
 
     fn is_convex(&self) -> bool {
@@ -137,18 +150,18 @@ impl<'a> Seams<'a> {
         }
     }
 
-    /// True if a neighbour's face goes on from a point of the fixed body in a direction of the
-    /// plane.
-    fn goes_on(&self, foot: DVec3, normal: DVec3, aside: DVec3) -> bool {
+    /// True if a neighbour's face holds a point of the fixed body, and goes on from it in a
+    /// direction of the plane if one is given.
+    fn goes_on(&self, foot: DVec3, normal: DVec3, aside: Option<DVec3>) -> bool {
         let of_shape = |shape: &ConvexShape, here_from_fixed: &RigidTransform| {
             let foot = here_from_fixed.point(foot);
-            let (normal, aside) =
-                (here_from_fixed.direction(normal), here_from_fixed.direction(aside));
+            let normal = here_from_fixed.direction(normal);
+            let aside = aside.map(|aside| here_from_fixed.direction(aside));
             let mut goes_on = false;
             visit_faces(shape, foot, self.width, |plane, corners| {
                 goes_on |= plane.normal.dot(normal) >= FLAT
                     && plane.distance(foot).abs() <= self.flush
-                    && reaches(corners, foot, aside, self.width)
+                    && aside.is_none_or(|aside| reaches(corners, foot, aside, self.width))
                     && outside(foot, &plane, corners) <= self.width;
             });
             goes_on
