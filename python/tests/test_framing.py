@@ -155,7 +155,7 @@ def test_what_goes_farther_than_it_can_be_seen_is_seen_at_first() -> None:
 SHOTS = {
     "wall": (1.0, 0.45, 0.5),
     "wall-ball": (1.0, 0.9, 0.5),
-    "cylinder": (1.0, 0.2, 0.35),
+    "cylinder": (1.0, 0.18, 0.35),
     "pillar": (1.0, 0.9, 0.6),
     "stack": (0.7, 0.7, 0.58),
     "plate": (1.0, 0.0, 0.1),
@@ -163,7 +163,7 @@ SHOTS = {
     "cradle": (1.0, 1.0, 0.5),
     "timber": (0.8, 0.8, 0.4),
     "plank": (0.85, 0.1, 0.2),
-    "rain-25": (0.9, 0.85, 0.5),
+    "rain-25": (0.9, 0.84, 0.5),
 }
 
 

@@ -192,7 +192,9 @@ def test_what_is_no_recording_is_a_scene(tmp_path: Path) -> None:
 
 
 def test_the_data_tells_masses_and_breaks(rain: Recording) -> None:
-    header, column = read_chunk(encode(rain, frame_recording(rain, ASPECT)))
+    pieces: list[bytes] = []
+    encode(rain, frame_recording(rain, ASPECT), pieces.append)
+    header, column = read_chunk(b"".join(pieces))
     masses = column("mass").astype(np.int32).view(np.float32)[:, 0]
     assert np.array_equal(masses, np.array([body.mass for body in rain.bodies], np.float32))
     broke = column("broke")[:, 0]

@@ -19,6 +19,8 @@ pub(crate) struct Held {
     pub(crate) mass: MassProperties,
     #[serde(with = "frangible_math::shared")]
     source: Arc<VoxelRuns>,
+    /// True for all of the source, on its own grid.
+    is_all: bool,
     /// The first node of the holder's grid on the source's, and how many rows both have along y.
     shift: [i64; 3],
     rows_y: [usize; 2],
@@ -54,13 +56,14 @@ impl Held {
         let source = Arc::new(material);
         let held = Self {
             mass: RunSums::of(grid, &runs).mass_properties(),
-            own: OnceLock::from(source.clone()),
+            is_all: true,
             rows_y: [grid.dims[1]; 2],
             rows: source.rows(),
             taken: runs,
             source,
             shift: [0; 3],
             ahead: 0.0,
+            own: OnceLock::new(),
             moved: OnceLock::new(),
             cores: OnceLock::new(),
         };
@@ -79,6 +82,7 @@ impl Held {
             taken: portion.runs,
             mass: portion.sums.mass_properties(),
             source: self.material().clone(),
+            is_all: false,
             shift: from,
             rows_y: [own.dims[1], grid.dims[1]],
             rows: own.dims[1] * own.dims[2],
@@ -142,6 +146,9 @@ impl Held {
 
     /// In spans, of the holder's grid.
     pub(crate) fn material(&self) -> &Arc<VoxelRuns> {
+        if self.is_all {
+            return &self.source;
+        }
         self.own.get_or_init(|| {
             let [rows_y, source_rows_y] = self.rows_y;
             let spans = self.taken.iter().flat_map(|run| {
