@@ -1,5 +1,5 @@
-//! What a caller does to bodies between frames: push them, hold them, cut them, break them. Work
-//! and breaks are part of the next frame's report.
+//! A caller's deeds between frames: bodies are pushed, held, cut and broken. Work and breaks are
+//! part of the next frame's report.
 
 pub(crate) mod cut;
 pub(crate) mod grip;

@@ -99,7 +99,7 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     broken.extend(fractures);
     let culprits = contain(world, &solved_from, &mut accounts);
 
-    // What the caller did before the frame is part of its report.
+    // The caller's deeds before the frame are part of its report.
     let Handled { work: by_hand, fractures: mut all } = std::mem::take(&mut world.hand.handled);
     all.extend(freed);
 

@@ -45,7 +45,7 @@ pub struct World {
     pub(crate) spared: Vec<(BodyId, f64)>,
     /// A text of the caller's.
     pub(crate) note: String,
-    /// What the caller holds, and did since the last frame.
+    /// Bodies that the caller holds, and its deeds since the last frame.
     pub(crate) hand: Hand,
     /// The caller's [s], for the report.
     #[serde(skip)]

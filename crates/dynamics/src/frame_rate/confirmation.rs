@@ -113,7 +113,7 @@ impl<I: Instructions> Group<I> {
             let normal = selection.points().next().map(|number| -points[number].normal);
             normal.is_some_and(|normal| acting.iter().all(|of| of.dot(normal) <= SAME_NORMAL))
         };
-        // What touches first has a place.
+        // The first touch has a place.
         let gap = |selection: &Selection| {
             selection.points().map(|number| points[number].gap).fold(f64::INFINITY, f64::min)
         };

@@ -51,7 +51,7 @@ impl World {
 
 /// Pulls what is held, for a frame.
 pub(crate) fn pull_held(world: &mut World) {
-    // What broke is held no more.
+    // A broken body is held no more.
     let mut grips = std::mem::take(&mut world.hand.grips);
     grips.retain(|grip| world.moved_by_hand(grip.body).is_ok());
     for grip in &grips {

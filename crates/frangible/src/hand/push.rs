@@ -71,5 +71,5 @@ impl World {
     }
 }
 
-/// The heaviest bodies at the highest speeds take more; sums of squares stay finite [N s].
+/// The largest impulse of a call [N s]: its square stays finite in single precision.
 const MOST_IMPULSE: f64 = 1e12;

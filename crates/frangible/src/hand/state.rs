@@ -1,4 +1,4 @@
-//! What a caller holds, and what it did since the last frame.
+//! Bodies that a caller holds, and its deeds since the last frame.
 
 use crate::report::Fracture;
 use frangible_bodies::BodyId;

@@ -37,7 +37,7 @@ pub(crate) struct Break {
     pub(crate) cause: Cause,
 }
 
-/// What broke a body: see [`Fracture`].
+/// The blow that broke a body: see [`Fracture`].
 #[derive(Clone, Copy)]
 pub(crate) struct Cause {
     pub(crate) striker: BodyId,

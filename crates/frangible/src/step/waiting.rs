@@ -25,7 +25,7 @@ const TOUCHING: f64 = 0.01;
 /// others start in the next frame.
 const MOST_REDONE: usize = 16;
 
-/// Who touched whom in a frame.
+/// Pairs that touched in a frame.
 pub(crate) struct Contacts {
     /// Waiting bodies that a blow reached through others.
     pub(crate) hit: Vec<BodyId>,
