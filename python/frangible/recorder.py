@@ -269,6 +269,35 @@ class Recorder:
         known.note_frame(poses)
 
 
+def recorded_body(
+    seen: SeenBody, path: Path, known: Known, last: int, laid: tuple[Skin, Float32] | None
+) -> Body:
+    """A body with its path up to the ``last`` frame, and the skin that was laid on it."""
+    vertices, triangles, interior, coordinates = seen.surface
+    skin, coordinates = laid or (None, coordinates)
+    # A body that the last frame does not show died the frame after its last row.
+    death = path.birth_frame + len(path.positions)
+    return Body(
+        id=seen.id,
+        name=seen.name,
+        parent=known.parents.get(seen.id),
+        source=known.source(seen.id),
+        birth_frame=path.birth_frame,
+        death_frame=None if death > last else death,
+        mass=seen.mass,
+        look=seen.look,
+        vertices=vertices,
+        triangles=triangles,
+        interior=interior,
+        coordinates=coordinates,
+        positions=path.positions,
+        orientations=path.orientations,
+        skin=skin,
+        before=seen.before,
+        volume=seen.volume,
+    )
+
+
 def assemble(
     frames: Frames, known: Known, skins: dict[int, Laid], named: tuple[str, str, float]
 ) -> Recording:
@@ -283,32 +312,8 @@ def assemble(
 
     bodies = []
     for body_id, path in frames.paths().items():
-        body = seen[body_id]
-        vertices, triangles, interior, coordinates = body.surface
-        own_skin, coordinates = laid.get(body_id, (None, coordinates))
-        # A body that the last frame does not show died the frame after its last row.
-        death = path.birth_frame + len(path.positions)
-        bodies.append(
-            Body(
-                id=body_id,
-                name=body.name,
-                parent=known.parents.get(body_id),
-                source=known.source(body_id),
-                birth_frame=path.birth_frame,
-                death_frame=None if death > known.steps else death,
-                mass=body.mass,
-                look=body.look,
-                vertices=vertices,
-                triangles=triangles,
-                interior=interior,
-                coordinates=coordinates,
-                positions=path.positions,
-                orientations=path.orientations,
-                skin=own_skin,
-                before=body.before,
-                volume=body.volume,
-            )
-        )
+        body = recorded_body(seen[body_id], path, known, known.steps, laid.get(body_id))
+        bodies.append(body)
     shot, method, fps = named
     bodies.sort(key=lambda body: (body.birth_frame, body.id))
     return Recording(shot, method, fps, known.steps, bodies, frames.reports())

@@ -5,10 +5,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..laid import Laid
-from ..recorder import Known, Path, Poses, SeenBody, rows_of_bodies
-from ..recording import Body, Float32, Recording, without_sign_flips
+from ..recorder import Known, Path, Poses, SeenBody, recorded_body, rows_of_bodies
+from ..recording import Float32, Recording, without_sign_flips
 from ..render.camera import frame_recording
 from ..report import StepReport
 from ..skin import Skin
@@ -124,31 +125,10 @@ class LiveReel:
         skins = self._laid()
         bodies = []
         for body_id, path in self.paths().items():
-            birth, death = path.birth_frame, path.birth_frame + len(path.positions)
-            seen = self._seen[body_id]
-            vertices, triangles, interior, coordinates = seen.surface
-            skin, coordinates = skins.get(body_id, (None, coordinates))
-            bodies.append(
-                Body(
-                    id=body_id,
-                    name=seen.name,
-                    parent=self._known.parents.get(body_id),
-                    source=self._known.source(body_id),
-                    birth_frame=birth,
-                    death_frame=None if death > last else death,
-                    mass=seen.mass,
-                    look=seen.look,
-                    vertices=vertices,
-                    triangles=triangles,
-                    interior=interior,
-                    coordinates=coordinates,
-                    positions=path.positions,
-                    orientations=path.orientations,
-                    skin=skin,
-                    before=seen.before if birth > self._first else None,
-                    volume=seen.volume,
-                )
-            )
+            body = recorded_body(self._seen[body_id], path, self._known, last, skins.get(body_id))
+            # An earlier chunk showed how it came.
+            was_shown = path.birth_frame == self._first
+            bodies.append(replace(body, before=None) if was_shown else body)
         bodies.sort(key=lambda body: (body.birth_frame, body.id))
         shot, method, fps = self._named
         return Recording(shot, method, fps, last, bodies, self._reports)
