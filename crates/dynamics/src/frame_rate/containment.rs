@@ -6,7 +6,7 @@ use crate::energy::frame_accounts::{FrameAccounts, kinematic_work};
 use crate::impulse::pair_impulse::{PairImpulse, approach_at, pair_contact_matrix};
 use frangible_bodies::{Bodies, Frame, Motion, Pair, Pose, Substeps, evolve};
 use frangible_collision::{ContactPoint, Manifold};
-use frangible_geometry::{Part, Shape};
+use frangible_geometry::{Geometry, Part, Shape};
 use glam::DVec3;
 
 /// Distance from another body at which a core's centre stops, relative to the core's radius [1]: a
@@ -21,8 +21,14 @@ const LEAST_WAY: f64 = 0.05;
 /// the solver takes a tenth longer in a deep pile.
 const LEAST_WAY_OF_PAIR: f64 = 0.2;
 
-/// Maximum number of steps along a core's way [1]: each covers the distance to the other body.
-const MOST_STEPS: u32 = 64;
+/// Maximum number of steps along a straight part of a core's way [1]. Towards a convex body each
+/// goes to the plane that is next to the core: three arrive. Along a surface of any other kind a
+/// step is no longer than the distance from it.
+const MOST_STEPS: u32 = 128;
+
+/// Maximum turn of the two bodies along a part of the way that is taken to be straight [rad]: an
+/// arm's end strays from it by a thousandth of the arm.
+const STRAIGHT: f64 = 0.1;
 
 /// Maximum number of meetings of a body in a frame [1]: as many cores of a spinning compound may be
 /// beyond a plate.
@@ -126,15 +132,13 @@ impl Way {
         other.inverse().point(body.point(point))
     }
 
-    /// Upper bound of the way of a point of the first body, seen from the second [m].
-    fn most(&self, point: DVec3) -> f64 {
-        let moved = |side: usize| self.ends[side].position - self.starts[side].position;
+    /// Number of parts of the way of a point of the first body that are straight, seen from the
+    /// second [1].
+    fn straight_parts(&self, point: DVec3) -> u32 {
         let turn =
             |side: usize| self.starts[side].orientation.angle_between(self.ends[side].orientation);
-        let away = self.seen(point, 0.0).length().max(self.seen(point, 1.0).length());
-        let arm = away + moved(0).length() + moved(1).length() + 2.0 * point.length();
-        let turned = if turn(1) > 0.0 { turn(1) * arm } else { 0.0 };
-        (moved(0) - moved(1)).length() + turn(0) * point.length() + turned
+        let of_body = if point == DVec3::ZERO { 0.0 } else { turn(0) };
+        ((of_body + turn(1)) / STRAIGHT).ceil().max(1.0) as u32
     }
 }
 
@@ -152,7 +156,20 @@ fn meeting(
         Motion::Static | Motion::Dynamic => bodies.poses[other],
     };
     let way = Way { starts: [starts[body], starts[other]], ends: [bodies.poses[body], end] };
-    let (fraction, point, gradient) = first_meeting(&bodies.shapes[other], &way, core)?;
+    let shape = &*bodies.shapes[other];
+    let (fraction, point, gradient) = match &shape.compound {
+        Some(compound) => {
+            let of_part = |part: &Part| {
+                first_meeting(&|point| part.hull.distance_and_gradient(point), true, &way, core)
+            };
+            let meetings = compound.parts().iter().filter_map(of_part);
+            meetings.reduce(|a, b| if b.0 < a.0 { b } else { a })
+        }
+        None => {
+            let is_convex = matches!(shape.geometry, Geometry::ClosedForm(_) | Geometry::Hull(_));
+            first_meeting(&|point| shape.distance_and_gradient(point), is_convex, &way, core)
+        }
+    }?;
     Some(Meeting {
         other,
         center: core.center,
@@ -162,28 +179,57 @@ fn meeting(
     })
 }
 
-/// Fraction of the way at which a core comes as near to `shape` as it may, its centre and the
-/// outward normal there in the body frame of `shape`; `None` if it stays further away, or begins
-/// inside.
-fn first_meeting(shape: &Shape, way: &Way, core: &Core) -> Option<(f64, DVec3, DVec3)> {
-    let (start, _) = shape.distance_and_gradient(way.seen(core.center, 0.0));
-    let most = way.most(core.center);
-    if start <= 0.0 || start > most + core.radius {
+/// Fraction of the way at which a core comes as near to a surface as it may, its centre and the
+/// outward normal there in the body frame of the surface; `None` if it stays further away, or begins
+/// inside. `distance` gives the signed distance and its gradient.
+fn first_meeting(
+    distance: &impl Fn(DVec3) -> (f64, DVec3),
+    is_convex: bool,
+    way: &Way,
+    core: &Core,
+) -> Option<(f64, DVec3, DVec3)> {
+    let parts = way.straight_parts(core.center);
+    let begin = way.seen(core.center, 0.0);
+    let (start, _) = distance(begin);
+    if start <= 0.0 {
         return None;
     }
     let nearest = (STOPS_AT * core.radius).min(0.5 * start);
+    let mut from = begin;
+    for part in 1..=parts {
+        let to = way.seen(core.center, f64::from(part) / f64::from(parts));
+        if let Some((share, point, normal)) =
+            straight_meeting(distance, is_convex, [from, to], nearest)
+        {
+            return Some(((f64::from(part - 1) + share) / f64::from(parts), point, normal));
+        }
+        from = to;
+    }
+    None
+}
+
+/// The same along a straight way: its fraction at which the distance has fallen to `nearest` [m].
+fn straight_meeting(
+    distance: &impl Fn(DVec3) -> (f64, DVec3),
+    is_convex: bool,
+    [from, to]: [DVec3; 2],
+    nearest: f64,
+) -> Option<(f64, DVec3, DVec3)> {
+    let way = to - from;
     let mut fraction = 0.0;
     for _ in 0..MOST_STEPS {
-        let point = way.seen(core.center, fraction);
-        let (distance, gradient) = shape.distance_and_gradient(point);
-        let left = distance - nearest;
+        let point = from + fraction * way;
+        let (gap, gradient) = distance(point);
+        let left = gap - nearest;
         if left <= ARRIVED * nearest {
             return Some((fraction, point, gradient));
         }
-        fraction += left / most;
-        if fraction >= 1.0 {
+        // All of a convex body lies behind the plane through its nearest point.
+        let closing = if is_convex { -way.dot(gradient) } else { way.length() };
+        if left >= (1.0 - fraction) * closing {
             return None;
         }
+        fraction += left / closing;
     }
     None
 }
