@@ -6,6 +6,8 @@
 use frangible::{BodyDesc, MotionDesc, PartDesc, Resolution, SceneDesc, ShapeDesc, World};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 
 const G: f64 = 9.81;
 
@@ -299,4 +301,50 @@ proptest! {
             prop_assert!(before > -most * size - thickness, "{frame}: {before} m");
         }
     }
+}
+
+/// The corners of bricks, angles and hulls that hit a fixed plate stay on their side of it, though
+/// the impact makes them turn by radians in a frame. Of 300 shots 46 were past it by a tenth of
+/// their size at the end of some frame, when contacts were detected once a frame.
+#[test]
+fn corners_stay_before_plates() {
+    let mut runner = TestRunner::deterministic();
+    let shots = (
+        (0..3_usize, 0.02..1.0f64, 5.0..150.0f64, 1e-3..0.02f64),
+        (prop::array::uniform4(-1.0..1.0f64), prop::array::uniform3(-20.0..20.0f64)),
+        (prop::array::uniform12(prop::array::uniform3(-0.5..0.5f64)), 0.0..1.0f64, 0.0..0.5f64),
+    );
+    let mut past = 0;
+    for _ in 0..300 {
+        let ((kind, size, speed, thickness), (turn, spin), (points, phase, restitution)) =
+            shots.new_tree(&mut runner).unwrap().current();
+        let hull = ShapeDesc::Hull {
+            points: points.map(|point| point.map(|x| size * x)).to_vec(),
+            resolution: Resolution::default(),
+        };
+        let plate = BodyDesc { restitution, ..fixed([8.0, 8.0, thickness], [0.0; 3]) };
+        let body = BodyDesc {
+            position: [0.1, -0.2, -1.5 - phase * speed / 30.0],
+            orientation: turn,
+            linear_velocity: [0.0, 0.0, speed],
+            angular_velocity: spin,
+            restitution,
+            ..BodyDesc::new("body", if kind == 1 { hull } else { projectile(kind, size) })
+        };
+        let bodies = vec![plate, body];
+        let scene = SceneDesc { bodies, gravity: [0.0; 3], ..SceneDesc::new("plate") };
+        let mut world = World::build(&scene).unwrap();
+        let mut furthest = 0.0_f64;
+        for _ in 0..(90.0 / speed) as u32 + 6 {
+            frangible::step(&mut world);
+            let (shape, pose) = (&world.bodies().shapes[1], &world.bodies().poses[1]);
+            let parts = shape.compound.iter().flat_map(|compound| compound.parts());
+            let hulls = parts.map(|part| &part.hull).chain(shape.hull.as_deref());
+            for &corner in hulls.flat_map(|hull| hull.vertices()) {
+                furthest = furthest.max(pose.world_from_body().point(corner).z);
+            }
+        }
+        past += u32::from(furthest > 0.1 * size);
+    }
+    assert!(past <= 12, "{past} of 300");
 }

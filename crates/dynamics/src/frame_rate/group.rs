@@ -7,7 +7,7 @@ use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
-use super::speculative_contacts::{SpeculativeContacts, is_confirmed};
+use super::speculative_contacts::{LOOKS_AGAIN, SpeculativeContacts, is_confirmed, may_pierce};
 use super::timeline::Timeline;
 use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame};
@@ -180,7 +180,7 @@ impl<I: Instructions> Group<I> {
             }
             self.end_confirmation();
             self.bodies.drift(self.h as f32, kick.length());
-            self.spin(bodies, frame);
+            self.spin((bodies, manifolds), frame);
             self.sweep(
                 #[inline(always)]
                 |batch, lines| batch.solve::<false>(lines, &substep),
@@ -278,16 +278,28 @@ impl<I: Instructions> Group<I> {
         visit_batches(rest.batches.start, &mut batches[rest.batches.clone()], lines);
     }
 
-    /// Rotates fast-spinning bodies exactly, and marks the batches of far-turned bodies as stale.
-    fn spin(&mut self, bodies: &Bodies, frame: &Frame) {
+    /// Rotates fast-spinning bodies exactly. Contacts of far-turned bodies are detected again in the
+    /// next substep, unless they press: other features come near.
+    fn spin(&mut self, (bodies, manifolds): (&Bodies, &[Manifold]), frame: &Frame) {
         self.bodies.spin(bodies, frame.settings.rotation, self.h);
         if self.bodies.turned.is_empty() {
             return;
         }
-        let Self { bodies, batches, touching, .. } = self;
-        let touching = touching.get_or_init(|| Touching::new(batches, bodies));
-        for place in bodies.turned.iter().flat_map(|&line| touching.lanes(line)) {
-            batches[place.batch()].is_stale = true;
+        let Self { bodies: solver_bodies, batches, touching, speculative, selections, .. } = self;
+        let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
+        for &line in &solver_bodies.turned {
+            let is_fast = solver_bodies.spin_speed(line) * frame.dt > LOOKS_AGAIN;
+            for place in touching.lanes(line) {
+                let (batch, lane) = (&mut batches[place.batch()], place.lane());
+                batch.is_stale = true;
+                let selection = &selections[batch.constraints[lane] as usize];
+                let pair = manifolds[selection.manifold as usize].pair;
+                if is_fast && !batch.presses(lane) && may_pierce(bodies, pair) {
+                    batch.unconfirmed.set(lane, true);
+                    batch.asks.set(lane, true);
+                    speculative.asking.insert(place.batch());
+                }
+            }
         }
     }
 }

@@ -138,6 +138,12 @@ impl SolverBodies {
         (pose, [linear, angular])
     }
 
+    /// Present angular speed of a line [rad/s].
+    pub(super) fn spin_speed(&self, line: usize) -> f64 {
+        let Singles(v) = self.lines[line].velocity;
+        Vec3::new(v[3], v[4], v[5]).length().into()
+    }
+
     /// The lines in `range`.
     pub(super) fn lines(&mut self, range: Range<usize>) -> Lines<'_> {
         Lines {

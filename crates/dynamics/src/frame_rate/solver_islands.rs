@@ -230,7 +230,43 @@ fn substeps_of_pair(
     }
     let depth = (RESTING_DEPTH * size).min(LEANING_DEPTH * size * size / stack.height);
     let at_rest = (load / depth).sqrt() / frequency;
-    at_rest.max(presses(bodies, both, points) / frequency)
+    at_rest
+        .max(presses(bodies, both, points) / frequency)
+        .max(impact_turn(bodies, both, points, frame) / TURN)
+}
+
+/// Angle by which the impacts at a manifold's points turn one of its bodies until the frame ends
+/// [rad]: from each touch to the next one the impulse acts at the mean of the points that have
+/// touched. Without it corners of one in ten random hulls and compounds come through a thin plate
+/// that they hit; with it, of one in sixteen.
+fn impact_turn(bodies: &Bodies, both: [usize; 2], points: &[ManifoldPoint], frame: &Frame) -> f64 {
+    let time = |point: &ManifoldPoint| point.gap.max(0.0) / point.approach;
+    let is_impact =
+        |point: &&ManifoldPoint| point.approach > frame.impact_speed() && time(point) < frame.dt;
+    let mut touches: Vec<&ManifoldPoint> = points.iter().filter(is_impact).collect();
+    touches.sort_by(|a, b| time(a).total_cmp(&time(b)));
+    let rebound = 1.0 + bodies.pair_surface(both[0], both[1]).restitution.max(0.0);
+
+    let (mut anchors, mut turns) = ([DVec3::ZERO; 2], [0.0; 2]);
+    for (number, point) in touches.iter().enumerate() {
+        anchors[0] += point.anchor_first;
+        anchors[1] += point.anchor_second;
+        let until = touches.get(number + 1).map_or(frame.dt, |next| time(next));
+        let share = 1.0 / (number + 1) as f64;
+        let (mut inverse_mass, mut spins) = (0.0, [0.0; 2]);
+        for side in 0..2 {
+            let (inertia, pose) = (&bodies.inertias[both[side]], &bodies.poses[both[side]]);
+            let moment = (pose.orientation * (share * anchors[side])).cross(point.normal);
+            let spin = inertia.inverse_tensor(pose.orientation) * moment;
+            inverse_mass += inertia.inverse_mass + moment.dot(spin);
+            spins[side] = if is_round(inertia) { 0.0 } else { spin.length() };
+        }
+        for side in 0..2 {
+            let per_impulse = (until - time(point)) * spins[side];
+            turns[side] += per_impulse * rebound * point.approach / inverse_mass;
+        }
+    }
+    turns[0].max(turns[1])
 }
 
 /// Speed at which the heavier body may press the lighter body, in units of the allowed overlap

@@ -4,7 +4,7 @@
 use super::constraints::{NEAR, Source};
 use super::contact_batch::ContactBatch;
 use super::touching::Place;
-use frangible_bodies::{Bodies, Frame};
+use frangible_bodies::{Bodies, Frame, Pair};
 use frangible_collision::{FeatureId, FixedNeighbours, Manifold, ManifoldPoint, needs_one_look};
 use glam::DVec3;
 use std::cell::OnceCell;
@@ -14,6 +14,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Width of a contact patch, in ways of the bodies in the frame [1], above which they need no
 /// second look.
 const SLIDES: f64 = 4.0;
+
+/// Turn of a body in a frame [rad] from which on its contacts with what it [may
+/// pierce](may_pierce) are detected again each time that it has turned by a tenth of a radian.
+/// Without it corners of one in five random hulls and compounds come through a thin plate that they
+/// hit; with it, and substeps for the turn that impacts give, of one in sixteen.
+pub(super) const LOOKS_AGAIN: f64 = 0.5;
+
+/// Thickness of a body that another one may pierce, relative to the other's radius [1]. With 0.2,
+/// or for all pairs, falling shards take 1.3 or 1.8 times as long.
+const THIN: f64 = 0.05;
 
 /// Speculative contacts of a group.
 pub(super) struct SpeculativeContacts {
@@ -135,6 +145,19 @@ pub(super) fn is_confirmed(
         || is_wide(bodies, manifold, frame)
         || needs_one_look(pair.map(|i| &*bodies.shapes[i]))
         || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
+}
+
+/// True if features that come near as one body turns may go through the other: through a fixed
+/// body, which does not give way, or a thin one.
+pub(super) fn may_pierce(bodies: &Bodies, pair: Pair) -> bool {
+    let [first, second] = pair.both();
+    let is_pierced_by = |i: usize, other: usize| {
+        let (low, high) = bodies.shapes[i].bounds;
+        let thickness = (high - low).min_element();
+        bodies.inertias[i].is_infinite() || thickness < THIN * bodies.radii[other]
+    };
+    (is_pierced_by(first, second) || is_pierced_by(second, first))
+        && !needs_one_look([first, second].map(|i| &*bodies.shapes[i]))
 }
 
 /// True for touching bodies with a contact patch wider than they slide in the frame: other features
