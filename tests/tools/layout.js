@@ -53,6 +53,9 @@ function faults(page, panels, finger) {
   }, [panels, finger]);
 }
 
+/** Draw next to nothing: panels are where they are without a picture. */
+const drawLittle = (page) => page.evaluate(() => Object.assign(document.getElementById("view").style, { width: "64px", height: "36px" }));
+
 /** Bring a page to each size, and call with its name and what a finger needs there. */
 async function atEachSize(browser, open, look) {
   for (const [sizes, options, finger] of [[TOUCHED, { hasTouch: true, isMobile: true }, FINGER], [POINTED, {}, 0]]) {
@@ -61,7 +64,7 @@ async function atEachSize(browser, open, look) {
     const page = await open(context);
     for (const [width, height] of sizes) {
       await page.setViewportSize({ width, height });
-      await page.waitForFunction(([width, height]) => innerWidth === width && innerHeight === height, [width, height]);
+      await page.waitForFunction(([width, height]) => innerWidth === width && innerHeight === height, [width, height], { polling: 100 });
       await look(page, `${width}x${height}`, finger);
     }
     await context.close();
@@ -74,7 +77,8 @@ async function main([player, folder]) {
   const open = async (context) => {
     const page = await context.newPage();
     await page.goto(`${pathToFileURL(player).href}#frame=8&pick=4&quality=4`);
-    await page.waitForFunction(() => document.documentElement.dataset.picked === "4", null, { timeout: 120000 });
+    if (!folder) await drawLittle(page);
+    await page.waitForFunction(() => document.documentElement.dataset.picked === "4", null, { timeout: 120000, polling: 100 });
     return page;
   };
   try {
@@ -93,7 +97,7 @@ async function main([player, folder]) {
   }
 }
 
-module.exports = { launch, faults, atEachSize };
+module.exports = { launch, faults, atEachSize, drawLittle };
 if (require.main === module)
   main(process.argv.slice(2)).catch((error) => {
     console.error(String(error.stack ?? error));

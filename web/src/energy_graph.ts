@@ -96,7 +96,8 @@ export class EnergyGraph {
     const total = (row: Row): number => LAYERS.reduce((sum, [layer]) => sum + this.value(row, layer), 0);
     const high = rows.reduce((most, row) => Math.max(most, total(row)), 1e-300);
     const named = LAYERS.map(([layer]) => layer).filter((layer, i) => i < 2 || rows.some((row) => this.value(row, layer) > FAINT * high));
-    return (this.summed = { rows: rows.length, high, named });
+    this.summed = { rows: rows.length, high, named };
+    return this.summed;
   }
 
   private layers(width: number, height: number, frames: number): void {

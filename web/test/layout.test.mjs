@@ -16,7 +16,7 @@ const PANELS = ["#caption", "#recipe", "#controls"];
 const skip = existsSync(CHROMIUM) ? false : "Chromium is not installed";
 
 test("panels and controls lie apart and in the window, and fingers find them", { skip, timeout: 400_000 }, async () => {
-  const { launch, faults, atEachSize } = createRequire(new URL("../../tests/tools/", import.meta.url))("./layout.js");
+  const { launch, faults, atEachSize, drawLittle } = createRequire(new URL("../../tests/tools/", import.meta.url))("./layout.js");
   const server = createServer(async (request, response) => {
     const path = new URL(request.url, "http://local").pathname;
     const content = await readFile(join(PAGE, path)).catch(() => null);
@@ -29,7 +29,9 @@ test("panels and controls lie apart and in the window, and fingers find them", {
   const open = async (context) => {
     const page = await context.newPage();
     await page.goto(`http://127.0.0.1:${server.address().port}/playground.html`);
-    await page.waitForFunction(() => Number(document.documentElement.dataset.bodies) > 20, null, { timeout: 60_000 });
+    // Pictures to look at need a while.
+    if (!process.env["PICTURES"]) await drawLittle(page);
+    await page.waitForFunction(() => Number(document.documentElement.dataset.bodies) > 20, null, { timeout: 200_000, polling: 100 });
     return page;
   };
   const places = (page) => page.evaluate(() => [...document.querySelectorAll("#controls button")].map((button) => button.getBoundingClientRect().toJSON()));
@@ -37,16 +39,16 @@ test("panels and controls lie apart and in the window, and fingers find them", {
     const found = [];
     await atEachSize(browser, open, async (page, size, finger) => {
       // A word more or less on a button moves no other one.
-      await page.waitForFunction(() => document.getElementById("play").textContent === "Pause");
+      await page.waitForFunction(() => document.getElementById("play").textContent === "Pause", null, { polling: 100 });
       const before = await places(page);
       await page.click("#play");
-      await page.waitForFunction(() => document.getElementById("play").textContent === "Play");
+      await page.waitForFunction(() => document.getElementById("play").textContent === "Play", null, { polling: 100 });
       assert.deepEqual(await places(page), before, size);
       for (const open of [false, true]) {
         await page.evaluate((open) => (document.getElementById("recipe").open = open), open);
-        await page.waitForFunction((open) => document.body.classList.contains("chooses") === open, open);
+        await page.waitForFunction((open) => document.body.classList.contains("chooses") === open, open, { polling: 100 });
         for (const fault of await faults(page, PANELS, finger)) found.push(`${size}, menu ${open}: ${fault}`);
-        await page.screenshot({ path: join(PICTURES, `layout_${size}${open ? "_menu" : ""}.png`), timeout: 120_000 });
+        if (process.env["PICTURES"]) await page.screenshot({ path: join(PICTURES, `layout_${size}${open ? "_menu" : ""}.png`), timeout: 120_000 });
       }
       await page.click("#play");
     });
