@@ -116,11 +116,16 @@ export class Panel {
     return true;
   }
 
-  /** Pick a body by its row; false if there is no such body yet. */
+  /** Pick a body by its row, or none with -1; false if there is no such body yet. */
   pick(row: number): boolean {
-    if (!(row >= 0 && row < this.player.footage.bodies.length)) return false;
-    this.picking.pick(row);
+    if (!(row >= -1 && row < this.player.footage.bodies.length)) return false;
+    if (row !== this.player.picked) this.picking.pick(row);
     return true;
+  }
+
+  /** Called with the row of each body that is picked, or -1. */
+  set onPick(hear: (row: number) => void) {
+    this.picking.onPick = hear;
   }
 
   private tell(): void {

@@ -18,7 +18,7 @@ const HINTS: Record<Tool, string> = {
   throw: "Press to throw a ball, drag to turn the view.",
   drag: "Drag a piece; beside all pieces, turn the view.",
   slice: "Draw a line over what is to be cut.",
-  burst: "Press on what is to break by its pattern.",
+  burst: "Press on what is to break by its pattern; its pieces can be sliced.",
 };
 /** A film ends with a still picture, which also lets the encoder come to an end [ms]. */
 const HELD = 700;
