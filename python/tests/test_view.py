@@ -208,6 +208,17 @@ def test_the_data_tells_masses_and_breaks(rain: Recording) -> None:
     assert header["gravity"] == pytest.approx(-9.8, rel=1e-9)
 
 
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_panels_lie_apart_at_every_size(rain: Recording, tmp_path: Path) -> None:
+    page = tmp_path / "rain.html"
+    rain.save(page)
+    done = subprocess.run(
+        ["node", str(TOOLS / "layout.js"), str(page)], capture_output=True, text=True, timeout=300,
+        env={**os.environ, "CHROMIUM": CHROMIUM or ""},
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+
+
 def test_gravity_is_told_by_frames_that_agree(rain: Recording) -> None:
     assert gravity_of(rain) == pytest.approx(-9.8, rel=1e-9)
     mixed: list[Any] = [
