@@ -109,6 +109,8 @@ def passing(scene: dict[str, Any]) -> set[str]:
             ],
             {"ac", "bc"},
         ),
+        # Nobody is in the other one.
+        ([("g", "ab", "rel physics:filteredGroups = </World/h>"), ("h", "", "")], set()),
         ([("g", "a", "rel physics:filteredGroups = </World/nowhere>")], set()),
     ],
 )  # fmt: skip
@@ -121,6 +123,7 @@ def test_collision_groups_are_groups(
     text += "".join(a_group(name, list(members), more) for name, members, more in groups)
     scene, notes = read(stage(text))
     assert passing(scene) == pairs
+    World.build(scene, 1)
     assert notes == [
         "filtered group that is not there (/World/g): left out"
         for *_, more in groups
