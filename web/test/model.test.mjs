@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, decode, fillPoses, quantity, unfold } from "../dist/model.mjs";
+import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, counted, decode, fillPoses, quantity, unfold } from "../dist/model.mjs";
 
 /** Fold and split whole numbers as `python/frangible/io/page_streams.py` does. */
 function encode(columns, order) {
@@ -196,6 +196,11 @@ test("coarser triangles keep what is larger than a cell", () => {
   };
   assert.deepEqual([...coarser(mesh, 0.1)], [0, 2, 3]);
   assert.deepEqual([...coarser(mesh, 1e-4)], [0, 1, 3, 1, 2, 3]);
+});
+
+test("one is one, and more are several", () => {
+  assert.deepEqual([0, 1, 2].map((count) => counted(count, "picture")), ["0 pictures", "1 picture", "2 pictures"]);
+  assert.equal(counted(3, "body", "bodies"), "3 bodies");
 });
 
 test("quantities are read with a unit", () => {
