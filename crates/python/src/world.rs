@@ -3,13 +3,14 @@
 use crate::convert;
 use crate::errors::build_error;
 use crate::interrupt::interruptible;
+use crate::scene_files::{scene, with_files};
 use crate::threads::{Pool, busy};
 use frangible::bodies::Motion;
-use frangible::{BodyId, BuildError, LookDesc, SceneDesc, id_number};
+use frangible::{BodyId, BuildError, LookDesc, id_number};
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyString};
+use pyo3::types::PyBytes;
 use std::sync::{Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::Instant;
 
@@ -91,36 +92,6 @@ fn check_threads(threads: usize) -> PyResult<()> {
 fn seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_secs_f64()
-}
-
-/// A scene of plain data, or of JSON.
-fn scene(readable: &Bound<'_, PyAny>) -> PyResult<SceneDesc> {
-    let Ok(text) = readable.cast::<PyString>() else {
-        return SceneDesc::from_value(convert::value(readable)).map_err(build_error);
-    };
-    if let Some(scene) = text.to_str().ok().and_then(|text| serde_json::from_str(text).ok()) {
-        return Ok(scene);
-    }
-    // Python also reads NaN, and numbers of any size: the sentence can name their fields.
-    let read =
-        readable.py().import("frangible.scenes")?.call_method1("parse_json", ("scene", text))?;
-    SceneDesc::from_value(convert::value(&read)).map_err(build_error)
-}
-
-/// What is made of a scene whose files are read, and converted for as long as it takes, in Python.
-fn with_files<T>(
-    scene: &Bound<'_, PyAny>,
-    make: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>,
-) -> PyResult<T> {
-    let py = scene.py();
-    let files = py.import("frangible.scenes")?.call_method1("readable_scene", (scene,))?;
-    let made = make(&files.call_method0("__enter__")?);
-    match &made {
-        Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
-        Err(error) => files
-            .call_method1("__exit__", (error.get_type(py), error.value(py), error.traceback(py)))?,
-    };
-    made
 }
 
 #[pymethods]
