@@ -12,7 +12,7 @@ OUT := out
 DEMO_FRAME := 14
 
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
-PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed -o -name '*.json' -o -name '*.usda')
+PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed -o -name '*.json' -o -name '*.usda' -o -name 'live_widget.js')
 
 # What `--out FILE.html` writes a recording into.
 PLAYER := python/frangible/player.html
@@ -132,7 +132,7 @@ $(VENV)/.tools: pyproject.toml
 	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
 	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "completion", "alembic", "dev") \
+	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "completion", "alembic", "notebook", "dev") \
 	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
 	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
 	touch $@

@@ -11,6 +11,7 @@ _EXTRAS = {
     "exact": ("manifold3d",),
     "film": ("embreex", "PIL", "imageio_ffmpeg"),
     "gltf": ("DracoPy",),
+    "notebook": ("anywidget",),
     "plot": ("matplotlib",),
     "render": ("embreex", "PIL"),
     "usd": ("pxr",),

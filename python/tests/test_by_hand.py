@@ -1,6 +1,7 @@
 """Bodies that a script pushes, holds, cuts and breaks; and stories of the playground, natively."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,48 @@ def test_what_is_unbreakable_does_not_burst() -> None:
     ground = World.build(scene.to_dict(), 1)
     with pytest.raises(BuildError, match="^body: static, must be dynamic$"):
         ground.hold(0, [0, 0, 0], [0, 0, 0], 1)
+
+
+@pytest.mark.parametrize("number", [-1, 2**70, 1.0, None, "block"])
+def test_what_is_no_id_is_told(number: Any) -> None:
+    world, _ = block()
+    three = [0, 0, 0]
+    told = f"^id: {re.escape(repr(number))}, must be the id of a body, a whole number"
+    for call in (
+        lambda: world.apply_impulse(number, three, three),
+        lambda: world.set_velocity(number, three, three),
+        lambda: world.hold(number, three, three, 1),
+        lambda: world.let_go(number),
+        lambda: world.cut(number, three, [0, 1, 0]),
+        lambda: world.burst(number, three),
+        lambda: world.start(number),
+        lambda: world.remove_body(number),
+        lambda: world.surface(number),
+        lambda: world.material_frame(number),
+    ):
+        with pytest.raises(BuildError, match=told):
+            call()
+
+
+def test_what_is_no_number_is_told() -> None:
+    world, cube = block()
+    unfit: Any
+    for unfit, told in ((None, "None"), ("abc", "'abc'"), ([[1, 2, 3]], "[[1, 2, 3]]")):
+        with pytest.raises(BuildError, match=f"^impulse: {re.escape(told)}, must be three numbers"):
+            world.apply_impulse(cube, unfit, [0, 0, 0])
+        with pytest.raises(BuildError, match=f"^force: {re.escape(told)}, must be a number$"):
+            world.hold(cube, [0, 0, 0], [0, 0, 0], unfit)
+
+
+def test_pieces_that_break_no_further_say_what_would_help() -> None:
+    pane = {
+        "shape": {"kind": "box", "size": [1, 1, 0.1]},
+        "breaking": {"strength": 1.0, "pattern": {"kind": "voronoi", "cells": 6}},
+    }
+    world = World.build({"bodies": [pane]})
+    pieces = world.burst(int(world.ids[0]), [0, 0, 0])
+    with pytest.raises(BuildError, match="^body: a piece that breaks no further, .*generations"):
+        world.burst(pieces[0], [0, 0, 0])
 
 
 def do(world: World, action: dict[str, Any]) -> None:

@@ -125,7 +125,7 @@ def head_on(**of_second: Any) -> Any:
 def test_bodies_pass_through_groups(method: str) -> None:
     for of_second, passes in (
         ({}, False),
-        ({"passes_through": ["right"]}, False),
+        ({"groups": ["right"], "passes_through": ["right"]}, False),
         ({"passes_through": ["left"]}, True),
         ({"groups": ["left"]}, False),
     ):
@@ -136,6 +136,24 @@ def test_bodies_pass_through_groups(method: str) -> None:
             world.step()
         exact = [[4, 0, 0], [-4, 0, 0]]
         assert np.allclose(world.positions, exact, atol=1e-12) == passes, of_second
+
+
+def test_groups_that_no_body_is_in_are_misspelt() -> None:
+    for of_second, told in (
+        ({"groups": ["left", ""]}, 'groups[1]: "", must be a name of at least one letter'),
+        ({"passes_through": ["letf"]}, 'passes_through[0]: "letf", must be a group that a body'),
+    ):
+        bodies = list(head_on(**of_second))
+        with pytest.raises(BuildError) as error:
+            World.build({"bodies": bodies})
+        assert str(error.value).startswith(f"bodies[1].{told}")
+        # A body that is added may be in groups that are new.
+        world = World.build({"bodies": bodies[:1]})
+        with pytest.raises(BuildError) as error:
+            world.add_body(bodies[1])
+        assert str(error.value).startswith(f"body.{told}")
+        world.add_body({**bodies[1], "groups": ["new"], "passes_through": ["new", "left"]})
+        world.add_body({**bodies[1], "groups": [], "passes_through": ["new"]})
 
 
 def test_pieces_and_added_bodies_are_in_groups_too() -> None:

@@ -3,6 +3,7 @@ hands out."""
 
 from __future__ import annotations
 
+import base64
 import json
 import os
 import re
@@ -18,11 +19,12 @@ from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
 
+import frangible
 import numpy as np
 import pytest
 from frangible import Recording, World, run, shot_scene
 from frangible.io.live_reel import Chunks, LiveReel
-from frangible.io.page import page_of, streaming_page
+from frangible.io.page import page_of, posted_page, streaming_page
 from frangible.io.page_books import gravity_of
 from frangible.io.page_data import encode
 from frangible.io.page_server import PageServer
@@ -206,6 +208,82 @@ def test_the_data_tells_masses_and_breaks(rain: Recording) -> None:
     for one, striker in zip(fractures, strikers, strict=True):
         assert rain.bodies[striker].id == one["striker"]
     assert header["gravity"] == pytest.approx(-9.8, rel=1e-9)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_panels_lie_apart_at_every_size(rain: Recording, tmp_path: Path) -> None:
+    page = tmp_path / "rain.html"
+    rain.save(page)
+    done = subprocess.run(
+        ["node", str(TOOLS / "layout.js"), str(page)], capture_output=True, text=True, timeout=300,
+        env={**os.environ, "CHROMIUM": CHROMIUM or ""},
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+
+
+#: A notebook's model, as far as a widget knows it.
+MODEL = """<!doctype html><title>Book</title><body><script type="module">
+import start from "data:text/javascript;base64,WIDGET";
+const { page, chunks, ids, last } = STATE;
+const values = { page, title: "wall", height: 380, picked: null };
+const heard = { "msg:custom": [], "change:picked": [] };
+const blob = (number) => new DataView(Uint8Array.from(atob(chunks[number]), (c) => c.charCodeAt(0)).buffer);
+const tell = (number) => heard["msg:custom"].forEach((hear) => hear({ number }, [blob(number)]));
+const model = {
+  get: (name) => values[name],
+  set(name, value) {
+    if (values[name] === value) return;
+    values[name] = value;
+    heard[`change:${name}`].forEach((hear) => hear());
+  },
+  on: (name, hear) => heard[name].push(hear),
+  send({ from }) {
+    asked.push(from);
+    if (from > 0) for (let number = from; number < chunks.length; number++) tell(number);
+  },
+  save_changes() {},
+};
+const asked = [];
+// The second chunk gets lost.
+const lose = () => [2, 3].forEach(tell);
+Object.assign(window, { model, asked, ids, last, lose });
+const { initialize, render } = start();
+initialize({ model });
+render({ model, el: document.body });
+tell(0);
+</script>"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+def test_a_notebook_plays_what_is_posted(tmp_path: Path) -> None:
+    world = World.build(shot_scene("wall"), 1)
+    chunks, known = Chunks(), Known()
+    reel = LiveReel(chunks, known, {}, ("wall", world.method, 30.0))
+    recorder = Recorder(world, None, reel, known)
+    reel.send()
+    ids = world.ids.tolist()
+    for last in (False, False, True):
+        for _ in range(4):
+            recorder.capture(world.step())
+        reel.send(is_last=last)
+    chunks.close()
+    blobs = [base64.b64encode(blob).decode() for blob in chunks.follow()]
+    state = {"page": posted_page("wall"), "chunks": blobs, "ids": ids[-1:], "last": "of 12"}
+    widget = (Path(frangible.__file__).parent / "live_widget.js").read_bytes()
+    text = MODEL.replace("WIDGET", base64.b64encode(widget).decode())
+    told = json.dumps(state).replace("</", "<\\/")
+    (tmp_path / "book.html").write_text(text.replace("STATE", told), encoding="utf-8")
+    done = subprocess.run(
+        ["node", str(TOOLS / "use_widget.js"), str(tmp_path / "book.html")],
+        capture_output=True, text=True, timeout=300, env={**os.environ, "CHROMIUM": CHROMIUM or ""},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["errors"] == []
+    # All at first, then what was lost.
+    assert found["asked"] == [0, 1]
+    assert found["picked"] == "ball"
+    assert found["next"] in set(world.ids.tolist()) - set(ids)
 
 
 def test_gravity_is_told_by_frames_that_agree(rain: Recording) -> None:

@@ -27,6 +27,8 @@ export class EnergyGraph {
   private readonly rows: Row[] = [];
   private readonly taken = Object.fromEntries([...CAUSES, "started"].map((cause) => [cause, 0])) as Record<Cause, number>;
   private lowest = Infinity;
+  /** The highest sum, and what is named, of so many rows. */
+  private summed = { rows: -1, high: 0, named: [] as Layer[] };
   private drawn: HTMLCanvasElement | null = null;
   private names = "";
 
@@ -44,11 +46,13 @@ export class EnergyGraph {
     return this.books.energy.length === 0;
   }
 
-  /** Draw it for so many frames, with a hand at a time. */
+  /** Draw it for so many frames, with a hand at a time; where it is not shown the words are as true. */
   show(time: number, frames: number): void {
     this.takeIn();
+    if (this.isEmpty) return;
+    this.say(time);
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    if (width === 0 || height === 0 || this.isEmpty) return;
+    if (width === 0 || height === 0) return;
     const context = sized(this.canvas, width, height);
     if (context === null) return;
     this.layers(width, height, frames);
@@ -56,7 +60,6 @@ export class EnergyGraph {
     context.drawImage(this.drawn!, 0, 0, width, height);
     context.fillStyle = "#ffffff";
     context.fillRect(across(width, time, frames) - 0.75, 0, 1.5, height);
-    this.say(time);
   }
 
   /** Energy at a frame by layer [J], without those that are never much. */
@@ -64,7 +67,7 @@ export class EnergyGraph {
     this.takeIn();
     const row = this.rows[Math.min(Math.max(this.index(frame), 0), this.rows.length - 1)];
     if (row === undefined) return [];
-    return this.named().map((layer) => [layer, this.value(row, layer)]);
+    return this.sums.named.map((layer) => [layer, this.value(row, layer)]);
   }
 
   private index(frame: number): number {
@@ -87,13 +90,14 @@ export class EnergyGraph {
     return layer === "potential" ? row.potential - this.lowest : Math.max(row[layer], 0);
   }
 
-  private highest(): number {
-    return Math.max(...this.rows.map((row) => LAYERS.reduce((sum, [layer]) => sum + this.value(row, layer), 0)), 1e-300);
-  }
-
-  private named(): Layer[] {
-    const high = this.highest();
-    return LAYERS.map(([layer]) => layer).filter((layer, i) => i < 2 || this.rows.some((row) => this.value(row, layer) > FAINT * high));
+  private get sums(): { high: number; named: Layer[] } {
+    const { rows } = this;
+    if (this.summed.rows === rows.length) return this.summed;
+    const total = (row: Row): number => LAYERS.reduce((sum, [layer]) => sum + this.value(row, layer), 0);
+    const high = rows.reduce((most, row) => Math.max(most, total(row)), 1e-300);
+    const named = LAYERS.map(([layer]) => layer).filter((layer, i) => i < 2 || rows.some((row) => this.value(row, layer) > FAINT * high));
+    this.summed = { rows: rows.length, high, named };
+    return this.summed;
   }
 
   private layers(width: number, height: number, frames: number): void {
@@ -103,7 +107,7 @@ export class EnergyGraph {
     this.drawn = document.createElement("canvas");
     this.drawn.dataset["name"] = name;
     const context = sized(this.drawn, width, height)!;
-    const high = this.highest();
+    const { high } = this.sums;
     const below = new Float64Array(this.rows.length);
     for (const [layer, colour] of LAYERS) {
       context.beginPath();

@@ -4,6 +4,7 @@ import { loadImages } from "./images";
 import { element } from "./element";
 import { Panel } from "./panel";
 import { Player } from "./player";
+import { POSTED, Post } from "./posted";
 import { Reel } from "./reel";
 import { blobs, inflate, unpacked } from "./streams";
 
@@ -65,17 +66,30 @@ async function play(reel: Reel): Promise<[Player, Panel]> {
   return [player, panel];
 }
 
-/** Play what the server of the page streams, while it comes. */
-async function follow(): Promise<void> {
-  const reel = new Reel();
-  let shown: [Player, Panel] | null = null;
+/** What the server of the page streams. */
+async function streamed(): Promise<AsyncIterable<Uint8Array<ArrayBuffer>>> {
   const response = await fetch(CHUNKS);
   if (!response.ok || response.body === null) throw new Error(`its server answers ${response.status}`);
-  for await (const blob of blobs(response.body)) {
+  return blobs(response.body);
+}
+
+/** Pick what the page around this one says, and tell it what is picked here. */
+function sharePicks(post: Post, reel: Reel, panel: Panel): void {
+  const rowOf = (id: number | null): number => reel.bodies.findIndex((body) => body.id === id);
+  post.onPick = (id) => panel.pick(rowOf(id));
+  panel.onPick = (row) => post.tellPick(reel.bodies[row]?.id ?? null);
+}
+
+/** Play chunks while they come. */
+async function follow(chunks: AsyncIterable<Uint8Array<ArrayBuffer>>, post?: Post): Promise<void> {
+  const reel = new Reel();
+  let shown: [Player, Panel] | null = null;
+  for await (const blob of chunks) {
     const images = reel.images.length;
     const hasNew = reel.append(await unpacked(blob));
     if (shown === null) {
       shown = await play(reel);
+      if (post !== undefined) sharePicks(post, reel, shown[1]);
       continue;
     }
     const [player, panel] = shown;
@@ -98,7 +112,11 @@ async function main(): Promise<void> {
   say("Unpacking the recording …");
   const data = element("recording").textContent?.trim() ?? "";
   element("recording").remove();
-  if (data === "") return follow();
+  if (data === "") return follow(await streamed());
+  if (data === POSTED) {
+    const post = new Post();
+    return follow(post.blobs(), post);
+  }
   const reel = new Reel();
   reel.append(await inflate(data));
   await play(reel);

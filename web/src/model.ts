@@ -8,6 +8,6 @@ export { coarser } from "./coarse";
 export { Colouring } from "./colouring";
 export { Motion, generation } from "./motion";
 export { Picker } from "./picker";
-export { quantity } from "./units";
+export { counted, quantity } from "./units";
 export { Reel, readRecording } from "./reel";
 export { blobs, decode, inflate, unpacked } from "./streams";

@@ -12,11 +12,12 @@ import { Motion } from "./motion";
 import { Picking } from "./picking";
 import type { Player } from "./player";
 import { type Break, breaks, countAlive } from "./recording";
+import { counted } from "./units";
 
 export { element };
 
-/** A window that is lower has no room for a graph at first [CSS px]. */
-const ROOM_FOR_GRAPH = 560;
+/** A window that is lower has no room for a graph at first; a narrow one has more rows of buttons [CSS px]. */
+const ROOM_FOR_GRAPH = "(min-height: 560px) and (min-width: 561px), (min-height: 720px)";
 
 export class Panel {
   private readonly speeds: number[];
@@ -26,7 +27,7 @@ export class Panel {
   private readonly graph: EnergyGraph;
   private readonly legend = new Legend(element("legend"));
   private readonly announcer = new Announcer(element("spoken"));
-  private wantsGraph = innerHeight >= ROOM_FOR_GRAPH;
+  private wantsGraph = matchMedia(ROOM_FOR_GRAPH).matches;
 
   constructor(
     private readonly player: Player,
@@ -86,7 +87,7 @@ export class Panel {
     const settings = [
       ["frame", `frame ${clock.frame} of ${footage.frames}`],
       ["time", `${(clock.time / footage.fps).toFixed(2)} s`],
-      ["bodies", alive === 1 ? "1 body" : `${alive} bodies`],
+      ["bodies", counted(alive, "body", "bodies")],
     ] as const;
     for (const [id, text] of settings) if (element(id).textContent !== text) element(id).textContent = text;
     input("timeline").value = String(clock.time);
@@ -97,7 +98,7 @@ export class Panel {
     }
     this.picking.show();
     this.legend.show(this.colouring);
-    if (!element("energy").hidden) this.graph.show(clock.time, footage.frames);
+    this.graph.show(clock.time, footage.frames);
     this.tell();
   }
 
@@ -115,11 +116,16 @@ export class Panel {
     return true;
   }
 
-  /** Pick a body by its row; false if there is no such body yet. */
+  /** Pick a body by its row, or none with -1; false if there is no such body yet. */
   pick(row: number): boolean {
-    if (!(row >= 0 && row < this.player.footage.bodies.length)) return false;
-    this.picking.pick(row);
+    if (!(row >= -1 && row < this.player.footage.bodies.length)) return false;
+    if (row !== this.player.picked) this.picking.pick(row);
     return true;
+  }
+
+  /** Called with the row of each body that is picked, or -1. */
+  set onPick(hear: (row: number) => void) {
+    this.picking.onPick = hear;
   }
 
   private tell(): void {
@@ -129,7 +135,7 @@ export class Panel {
     const count = known || so.length;
     const parts = [
       `${clock.playing ? "Playing" : "Paused"} at frame ${clock.frame} of ${footage.frames}, ${(clock.time / footage.fps).toFixed(2)} seconds`,
-      `${countAlive(footage, clock.frame)} bodies, ${count === 1 ? "1 break" : `${count} breaks`} so far`,
+      `${counted(countAlive(footage, clock.frame), "body", "bodies")}, ${counted(count, "break")} so far`,
     ];
     this.announcer.tell(`${parts.join("; ")}. ${this.picking.sentence}`.trim(), clock.playing);
   }
@@ -268,4 +274,6 @@ function toggleHelp(): void {
   const keys = element("keys");
   keys.hidden = !keys.hidden;
   element("help").setAttribute("aria-expanded", String(!keys.hidden));
+  // Where the window is narrow, what else there is makes room.
+  document.body.classList.toggle("helps", !keys.hidden);
 }

@@ -9,6 +9,8 @@ import type { Strike } from "./recording";
 const STILL = 4;
 
 export class Picking {
+  /** Called with the row that is picked, or -1. */
+  onPick: (row: number) => void = () => {};
   private readonly panel = new PiecePanel(element("piece-name"), element("piece-facts"));
   private readonly section = element("piece");
 
@@ -49,6 +51,7 @@ export class Picking {
     this.player.picked = row;
     if (row < 0 && this.section.contains(document.activeElement)) element("view").focus();
     this.show();
+    this.onPick(row);
   }
 
   /** The next body that is seen, or the one before; at first the one in the middle of the picture. */

@@ -70,7 +70,7 @@ export interface Path {
 export interface Body extends Path {
   id: number;
   name: string;
-  /** [kg]; infinite for what cannot be moved. */
+  /** [kg]; infinite for what contacts do not move: it stands still, or moves as its scene says. */
   mass: number;
   /** Whether it is everything below the plane y = 0 of its own frame. */
   floor: boolean;

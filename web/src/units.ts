@@ -7,10 +7,15 @@ const PLAIN = ["kg", "m/s", "s"];
 /** Four digits of a mass, three of all else, and a unit with its prefix. */
 export function quantity(value: number, unit: string): string {
   if (Number.isNaN(value)) return "unknown";
-  if (!Number.isFinite(value)) return "cannot be moved";
+  if (!Number.isFinite(value)) return "infinite";
   if (PLAIN.includes(unit)) return `${digits(value, unit === "kg" ? 4 : 3)} ${unit}`;
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(value) >= least * 0.9995) ?? [1, ""];
   return `${digits(value / factor, 3)} ${prefix}${unit}`;
+}
+
+/** So many of something: "1 body", "2 bodies". */
+export function counted(count: number, one: string, several = `${one}s`): string {
+  return `${count} ${count === 1 ? one : several}`;
 }
 
 function digits(value: number, count: number): string {

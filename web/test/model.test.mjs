@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, decode, fillPoses, quantity, unfold } from "../dist/model.mjs";
+import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, counted, decode, fillPoses, quantity, unfold } from "../dist/model.mjs";
 
 /** Fold and split whole numbers as `python/frangible/io/page_streams.py` does. */
 function encode(columns, order) {
@@ -198,8 +198,13 @@ test("coarser triangles keep what is larger than a cell", () => {
   assert.deepEqual([...coarser(mesh, 1e-4)], [0, 1, 3, 1, 2, 3]);
 });
 
+test("one is one, and more are several", () => {
+  assert.deepEqual([0, 1, 2].map((count) => counted(count, "picture")), ["0 pictures", "1 picture", "2 pictures"]);
+  assert.equal(counted(3, "body", "bodies"), "3 bodies");
+});
+
 test("quantities are read with a unit", () => {
-  const pairs = [[0.006178, "kg", "0.006178 kg"], [23040.4, "kg", "23040 kg"], [93512, "J", "93.5 kJ"], [0, "J", "0 J"], [0.18, "N", "180 mN"], [NaN, "N", "unknown"], [Infinity, "kg", "cannot be moved"], [5.0631, "m/s", "5.06 m/s"]];
+  const pairs = [[0.006178, "kg", "0.006178 kg"], [23040.4, "kg", "23040 kg"], [93512, "J", "93.5 kJ"], [0, "J", "0 J"], [0.18, "N", "180 mN"], [NaN, "N", "unknown"], [Infinity, "kg", "infinite"], [5.0631, "m/s", "5.06 m/s"]];
   for (const [value, unit, text] of pairs) assert.equal(quantity(value, unit), text);
 });
 

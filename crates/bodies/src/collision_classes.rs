@@ -44,6 +44,11 @@ impl CollisionClasses {
         CollisionClass(self.classes.len() as u32)
     }
 
+    /// True if a class was made with a group of that name.
+    pub fn knows(&self, group: &str) -> bool {
+        self.groups.iter().any(|name| name == group)
+    }
+
     /// True if bodies of two classes collide.
     #[inline]
     pub fn collide(&self, a: CollisionClass, b: CollisionClass) -> bool {

@@ -6,6 +6,7 @@ pub(crate) mod build;
 pub(crate) mod check;
 pub(crate) mod desc;
 pub(crate) mod fineness;
+pub(crate) mod groups;
 pub(crate) mod own_mass;
 pub(crate) mod pattern_choice;
 pub(crate) mod patterns;

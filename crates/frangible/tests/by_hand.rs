@@ -232,7 +232,8 @@ fn pieces_of_a_cut_break_by_the_pattern() {
     assert!(pieces.len() > 5, "{} pieces", pieces.len());
     // Once was all that it could break.
     let told = world.burst(pieces[0], DVec3::ZERO, 0.0).unwrap_err().to_string();
-    assert_eq!(told, "body: unbreakable, must be breakable");
+    let rule = "must be breakable: raise `generations` of its `breaking`, or cut it";
+    assert_eq!(told, format!("body: a piece that breaks no further, {rule}"));
     assert_eq!(step(&mut world).fractures.len(), 3);
 }
 

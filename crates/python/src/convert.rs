@@ -1,7 +1,7 @@
 //! Values on their way to Python and back.
 
 use crate::errors::build_error;
-use frangible::no_json;
+use frangible::{BodyId, id_from_number, no_json};
 use glam::Vec2;
 use numpy::{AllowTypeChange, Element, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
@@ -139,13 +139,37 @@ pub(crate) fn coordinates<'py>(
     ])
 }
 
-/// A vector of three numbers.
-pub(crate) fn vector(
-    name: &str,
-    array: &PyArrayLike1<'_, f64, AllowTypeChange>,
-) -> PyResult<[f64; 3]> {
+/// Three numbers that a caller gives for `name`.
+pub(crate) fn vector(name: &str, object: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let Ok(array) = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() else {
+        return Err(build_error(format!("{name}: {}, must be three numbers", shown(object))));
+    };
     match array.as_array().iter().copied().collect::<Vec<_>>().as_slice() {
         &[x, y, z] => Ok([x, y, z]),
         other => Err(build_error(format!("{name}: {} numbers, must be 3", other.len()))),
     }
+}
+
+/// A number that a caller gives for `name`.
+pub(crate) fn scalar(name: &str, object: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let broken = |_| build_error(format!("{name}: {}, must be a number", shown(object)));
+    object.extract().map_err(broken)
+}
+
+/// The body that a caller gives the id of; whether it lives is the world's to say.
+pub(crate) fn body(object: &Bound<'_, PyAny>) -> PyResult<BodyId> {
+    let rule = "must be the id of a body, a whole number as in `World.ids`";
+    let broken = |_| build_error(format!("id: {}, {rule}", shown(object)));
+    object.extract().map(id_from_number).map_err(broken)
+}
+
+/// Letters of a value that a sentence shows.
+const SHOWN: usize = 40;
+
+/// A value as Python writes it, or as much of that as a sentence has room for.
+fn shown(object: &Bound<'_, PyAny>) -> String {
+    let text = object.repr().map_or_else(|_| kind(object), |text| text.to_string());
+    let mut letters = text.chars();
+    let begin: String = letters.by_ref().take(SHOWN).collect();
+    if letters.next().is_some() { format!("{begin}...") } else { begin }
 }

@@ -10,6 +10,7 @@ mod memory;
 mod mesh;
 mod meshopt;
 mod patterns;
+mod scene_files;
 mod threads;
 mod world;
 

@@ -3,13 +3,14 @@
 use crate::convert;
 use crate::errors::build_error;
 use crate::interrupt::interruptible;
+use crate::scene_files::{scene, with_files};
 use crate::threads::{Pool, busy};
 use frangible::bodies::Motion;
-use frangible::{BuildError, LookDesc, SceneDesc, id_from_number, id_number};
-use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1};
+use frangible::{BodyId, BuildError, LookDesc, id_number};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyString};
+use pyo3::types::PyBytes;
 use std::sync::{Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::Instant;
 
@@ -21,8 +22,8 @@ type SurfaceArrays<'py> = (
     Bound<'py, PyArray3<f32>>,
 );
 
-/// Three numbers.
-type Three<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
+/// What a caller gives: a sentence tells what it must be.
+type Given<'a, 'py> = &'a Bound<'py, PyAny>;
 
 /// More threads than any machine has processors only take memory.
 const MOST_THREADS: usize = 4096;
@@ -76,6 +77,10 @@ impl World {
     }
 }
 
+fn gone(id: BodyId) -> PyErr {
+    PyKeyError::new_err(format!("no living body has the id {}", id_number(id)))
+}
+
 fn check_threads(threads: usize) -> PyResult<()> {
     if threads <= MOST_THREADS {
         return Ok(());
@@ -87,36 +92,6 @@ fn check_threads(threads: usize) -> PyResult<()> {
 fn seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_secs_f64()
-}
-
-/// A scene of plain data, or of JSON.
-fn scene(readable: &Bound<'_, PyAny>) -> PyResult<SceneDesc> {
-    let Ok(text) = readable.cast::<PyString>() else {
-        return SceneDesc::from_value(convert::value(readable)).map_err(build_error);
-    };
-    if let Some(scene) = text.to_str().ok().and_then(|text| serde_json::from_str(text).ok()) {
-        return Ok(scene);
-    }
-    // Python also reads NaN, and numbers of any size: the sentence can name their fields.
-    let read =
-        readable.py().import("frangible.scenes")?.call_method1("parse_json", ("scene", text))?;
-    SceneDesc::from_value(convert::value(&read)).map_err(build_error)
-}
-
-/// What is made of a scene whose files are read, and converted for as long as it takes, in Python.
-fn with_files<T>(
-    scene: &Bound<'_, PyAny>,
-    make: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<T>,
-) -> PyResult<T> {
-    let py = scene.py();
-    let files = py.import("frangible.scenes")?.call_method1("readable_scene", (scene,))?;
-    let made = make(&files.call_method0("__enter__")?);
-    match &made {
-        Ok(_) => files.call_method1("__exit__", (py.None(), py.None(), py.None()))?,
-        Err(error) => files
-            .call_method1("__exit__", (error.get_type(py), error.value(py), error.traceback(py)))?,
-    };
-    made
 }
 
 #[pymethods]
@@ -142,8 +117,9 @@ impl World {
     }
 
     /// Take a living body out.
-    fn remove_body(&self, id: u64) -> PyResult<()> {
-        self.act(|world| world.remove_body(id_from_number(id)))
+    fn remove_body(&self, id: Given<'_, '_>) -> PyResult<()> {
+        let id = convert::body(id)?;
+        self.act(|world| world.remove_body(id))
     }
 
     /// Advance by one frame and report on it.
@@ -258,8 +234,9 @@ impl World {
     }
 
     /// Start a body that waits.
-    fn start(&self, id: u64) -> PyResult<bool> {
-        Ok(self.inner()?.world.start(id_from_number(id)))
+    fn start(&self, id: Given<'_, '_>) -> PyResult<bool> {
+        let id = convert::body(id)?;
+        Ok(self.inner()?.world.start(id))
     }
 
     #[getter]
@@ -285,67 +262,95 @@ impl World {
 
     /// The frame of a living body's material, a mesh's own in metres, as seen from its body frame:
     /// origin [m] and orientation.
-    fn material_frame(&self, id: u64) -> PyResult<([f64; 3], [f64; 4])> {
+    fn material_frame(&self, id: Given<'_, '_>) -> PyResult<([f64; 3], [f64; 4])> {
+        let id = convert::body(id)?;
         let inner = self.inner()?;
         let bodies = inner.world.bodies();
-        let dense = bodies.index_of(id_from_number(id));
-        let dense =
-            dense.ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
+        let dense = bodies.index_of(id);
+        let dense = dense.ok_or_else(|| gone(id))?;
         let frame = &bodies.shapes[dense].body_from_grid;
         Ok((frame.translation.to_array(), frame.rotation.to_array()))
     }
 
     /// Velocity of the centre of mass [m/s] and angular velocity [rad/s], world frame.
-    fn set_velocity(&self, id: u64, linear: Three<'_>, angular: Three<'_>) -> PyResult<()> {
+    fn set_velocity(
+        &self,
+        id: Given<'_, '_>,
+        linear: Given<'_, '_>,
+        angular: Given<'_, '_>,
+    ) -> PyResult<()> {
+        let id = convert::body(id)?;
         let (linear, angular) =
-            (convert::vector("linear", &linear)?, convert::vector("angular", &angular)?);
-        self.act(|world| world.set_velocity(id_from_number(id), linear.into(), angular.into()))
+            (convert::vector("linear", linear)?, convert::vector("angular", angular)?);
+        self.act(|world| world.set_velocity(id, linear.into(), angular.into()))
     }
 
     /// An impulse at a point; its work.
-    fn apply_impulse(&self, id: u64, impulse: Three<'_>, point: Three<'_>) -> PyResult<f64> {
+    fn apply_impulse(
+        &self,
+        id: Given<'_, '_>,
+        impulse: Given<'_, '_>,
+        point: Given<'_, '_>,
+    ) -> PyResult<f64> {
+        let id = convert::body(id)?;
         let (impulse, point) =
-            (convert::vector("impulse", &impulse)?, convert::vector("point", &point)?);
-        self.act(|world| world.apply_impulse(id_from_number(id), impulse.into(), point.into()))
+            (convert::vector("impulse", impulse)?, convert::vector("point", point)?);
+        self.act(|world| world.apply_impulse(id, impulse.into(), point.into()))
     }
 
     /// Pull a point of a body to a place, until it is let go.
-    fn hold(&self, id: u64, point: Three<'_>, target: Three<'_>, force: f64) -> PyResult<()> {
+    fn hold(
+        &self,
+        id: Given<'_, '_>,
+        point: Given<'_, '_>,
+        target: Given<'_, '_>,
+        force: Given<'_, '_>,
+    ) -> PyResult<()> {
+        let id = convert::body(id)?;
         let (point, target) =
-            (convert::vector("point", &point)?, convert::vector("target", &target)?);
-        self.act(|world| world.hold(id_from_number(id), point.into(), target.into(), force))
+            (convert::vector("point", point)?, convert::vector("target", target)?);
+        let force = convert::scalar("force", force)?;
+        self.act(|world| world.hold(id, point.into(), target.into(), force))
     }
 
     /// Let go of a body; False if it is not held.
-    fn let_go(&self, id: u64) -> PyResult<bool> {
-        Ok(self.inner()?.world.let_go(id_from_number(id)))
+    fn let_go(&self, id: Given<'_, '_>) -> PyResult<bool> {
+        let id = convert::body(id)?;
+        Ok(self.inner()?.world.let_go(id))
     }
 
     /// Cut a body along a plane; its pieces.
-    fn cut(&self, id: u64, point: Three<'_>, normal: Three<'_>) -> PyResult<Vec<u64>> {
+    fn cut(
+        &self,
+        id: Given<'_, '_>,
+        point: Given<'_, '_>,
+        normal: Given<'_, '_>,
+    ) -> PyResult<Vec<u64>> {
+        let id = convert::body(id)?;
         let (point, normal) =
-            (convert::vector("point", &point)?, convert::vector("normal", &normal)?);
-        let cut = self.act(|world| world.cut(id_from_number(id), point.into(), normal.into()))?;
+            (convert::vector("point", point)?, convert::vector("normal", normal)?);
+        let cut = self.act(|world| world.cut(id, point.into(), normal.into()))?;
         Ok(cut.into_iter().map(id_number).collect())
     }
 
     /// Break a body by its pattern and send the pieces apart; the pieces.
     #[pyo3(signature = (id, point, speed=0.0))]
-    fn burst(&self, id: u64, point: Three<'_>, speed: f64) -> PyResult<Vec<u64>> {
-        let point = convert::vector("point", &point)?;
-        let burst = self.act(|world| world.burst(id_from_number(id), point.into(), speed))?;
+    fn burst(&self, id: Given<'_, '_>, point: Given<'_, '_>, speed: f64) -> PyResult<Vec<u64>> {
+        let id = convert::body(id)?;
+        let point = convert::vector("point", point)?;
+        let burst = self.act(|world| world.burst(id, point.into(), speed))?;
         Ok(burst.into_iter().map(id_number).collect())
     }
 
     /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and
     /// texture coordinates of their corners (t, 3, 2) [m].
-    fn surface<'py>(&self, py: Python<'py>, id: u64) -> PyResult<SurfaceArrays<'py>> {
+    fn surface<'py>(&self, py: Python<'py>, id: Given<'_, '_>) -> PyResult<SurfaceArrays<'py>> {
+        let id = convert::body(id)?;
         let mut inner = self.inner()?;
         let Inner { world, pool } = &mut *inner;
         let pool = pool.here()?;
-        let surface = py.detach(|| pool.install(|| world.surface(id_from_number(id))));
-        let surface = surface
-            .ok_or_else(|| PyKeyError::new_err(format!("no living body has the id {id}")))?;
+        let surface = py.detach(|| pool.install(|| world.surface(id)));
+        let surface = surface.ok_or_else(|| gone(id))?;
         let vertices = surface.mesh.positions.iter().map(|point| point.as_vec3().to_array());
         Ok((
             convert::rows(py, vertices)?,

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 from ..laid import Laid
 from ..recorder import Known, Path, Poses, SeenBody, recorded_body, rows_of_bodies
@@ -21,6 +22,13 @@ from .page_data import Reel
 _PATIENCE = 0.2
 #: How long those who wait for chunks sleep before they look whether somebody hung up [s].
 _NAP = 1.0
+
+
+class Sink(Protocol):
+    """Where chunks go."""
+
+    def add(self, blob: bytes) -> None:
+        """One more."""
 
 
 class Chunks:
@@ -62,7 +70,7 @@ class LiveReel:
     """A `Store` that hands frames on in chunks, and keeps the last one."""
 
     def __init__(
-        self, chunks: Chunks, known: Known, skins: dict[int, Laid], named: tuple[str, str, float]
+        self, chunks: Sink, known: Known, skins: dict[int, Laid], named: tuple[str, str, float]
     ) -> None:
         """``known`` is the recorder's; ``skins`` are by the numbers of bodies; ``named`` by the
         shot, method and frames per second."""
@@ -86,6 +94,11 @@ class LiveReel:
         self._frames.append(poses)
         if report is not None:
             self._reports.append(report)
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether there are frames since the last chunk."""
+        return len(self._frames) > 1
 
     def send_when_due(self) -> None:
         """Hand on what there is, if the last chunk is some time ago."""

@@ -19,6 +19,8 @@ from .page_data import encode
 PLAYER = Path(__file__).parents[1] / "player.html"
 #: The text that the recording replaces.
 TITLE, DATA = "FRANGIBLE_TITLE", "FRANGIBLE_RECORDING"
+#: In place of a recording that the page around this one posts; see `web/src/posted.ts`.
+POSTED = "posted"
 #: Width over height of the window that the first view is made for.
 ASPECT = 16 / 9
 
@@ -51,6 +53,12 @@ def page_of(recording: Recording) -> str:
 def streaming_page(shot: str) -> str:
     """The page that plays what its server streams, at ``chunks`` beside it."""
     return "".join(_around_data(shot)).replace(_POLICY, _STREAMED, 1)
+
+
+def posted_page(title: str) -> str:
+    """The page that plays what the page around it posts."""
+    before, behind = _around_data(title)
+    return before + POSTED + behind
 
 
 def policy_of(page: str) -> str:

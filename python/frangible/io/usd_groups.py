@@ -22,13 +22,14 @@ def add_groups(
     _add_collision_groups(stage, bodies, groups, passes, notes)
     _add_filtered_pairs(stage, bodies, groups, passes, notes)
     _add_joints(stage, bodies, groups, passes)
-    # A group that nobody passes through has no effect.
+    # A group that nobody passes through has no effect, and neither has one that nobody is in.
     heard = {name for names in passes for name in names}
+    filled = {name for names in groups for name in names}
     for one, own, through in zip(fields, groups, passes, strict=True):
         if kept := [name for name in dict.fromkeys(own) if name in heard]:
             one["groups"] = kept
-        if through:
-            one["passes_through"] = list(dict.fromkeys(through))
+        if passed := [name for name in dict.fromkeys(through) if name in filled]:
+            one["passes_through"] = passed
 
 
 def write_filtered_pairs(stage: Any, paths: list[str], bodies: list[dict[str, Any]]) -> None:

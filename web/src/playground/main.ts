@@ -2,6 +2,7 @@
 import { DataArrayTexture } from "three";
 import { element } from "../panel";
 import { Player } from "../player";
+import { counted } from "../units";
 import { AHEAD, MOST_AHEAD, WorldBench } from "./bench";
 import { readMesh } from "./drop";
 import { LiveFootage } from "./live";
@@ -17,7 +18,7 @@ const HINTS: Record<Tool, string> = {
   throw: "Press to throw a ball, drag to turn the view.",
   drag: "Drag a piece; beside all pieces, turn the view.",
   slice: "Draw a line over what is to be cut.",
-  burst: "Press on what is to break by its pattern.",
+  burst: "Press on what is to break by its pattern; its pieces can be sliced.",
 };
 /** A film ends with a still picture, which also lets the encoder come to an end [ms]. */
 const HELD = 700;
@@ -54,7 +55,9 @@ class Playground {
     this.tools = new Tools(canvas, element("line") as unknown as SVGLineElement, new WorldBench(canvas, this));
     this.fillMenus();
     // A small window is for the world.
-    (element("recipe") as HTMLDetailsElement).open = innerWidth > 640;
+    const recipe = element("recipe") as HTMLDetailsElement;
+    recipe.addEventListener("toggle", () => document.body.classList.toggle("chooses", recipe.open));
+    recipe.open = innerWidth > 640 && innerHeight > 480;
     this.listen();
   }
 
@@ -166,9 +169,9 @@ class Playground {
     this.pictures = [...this.pictures.filter((time) => time > now - 1000), now];
     this.tools.show();
     element("frame").textContent = `frame ${clock.frame}`;
-    element("bodies").textContent = `${state.ids.length} bodies`;
+    element("bodies").textContent = counted(state.ids.length, "body", "bodies");
     element("step").textContent = `${median.toFixed(1)} ms a step`;
-    element("rate").textContent = clock.playing ? `${this.pictures.length} pictures a second` : "";
+    element("rate").textContent = clock.playing ? `${counted(this.pictures.length, "picture")} a second` : "";
     element("energy").textContent = `${(state.energy / 1000).toFixed(2)} kJ`;
     input("timeline").max = String(footage.frames);
     input("timeline").value = String(clock.time);

@@ -93,8 +93,8 @@ impl World {
         let pieces = if self.labels[dense].bonds.is_some() {
             self.part_glued(dense, point, |_, _| true)
         } else {
-            let broken = || at.field("body").broken("unbreakable", "breakable");
-            let breaking = self.labels[dense].breaking.as_deref().cloned().ok_or_else(broken)?;
+            let label = &self.labels[dense];
+            let breaking = label.breaking.as_deref().cloned().ok_or_else(|| unbroken(label))?;
             let shape = self.bodies.shapes[dense].clone();
             let point_body = self.bodies.poses[dense].world_from_body().inverse().point(point);
             let (_, normal_body) = shape.distance_and_gradient(point_body);
@@ -194,6 +194,17 @@ fn direction(normal: DVec3, at: &Checker) -> Result<DVec3, BuildError> {
         return Ok(bounded / length);
     }
     Err(at.broken(&format!("{:?}", normal.to_array()), "longer than 0"))
+}
+
+fn unbroken(label: &Label) -> BuildError {
+    let (what, rule) = match label.parent {
+        None => ("unbreakable", "breakable"),
+        Some(_) => (
+            "a piece that breaks no further",
+            "breakable: raise `generations` of its `breaking`, or cut it",
+        ),
+    };
+    Checker::root().field("body").broken(what, rule)
 }
 
 fn uncut(shape: &Shape) -> BuildError {

@@ -8,6 +8,7 @@ use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::breaking::BondsDesc;
 use crate::scene::desc::shape::{Resolution, ShapeDesc};
 use crate::scene::desc::{BodyDesc, Method, MotionDesc, SceneDesc, SolverDesc};
+use crate::scene::groups::{check_groups, groups_of};
 use crate::scene::own_mass::with_own_mass;
 use crate::scene::patterns::build_pattern;
 use crate::scene::shapes::{Make, ShapeLibrary};
@@ -64,9 +65,11 @@ impl World {
         };
         let mut library = ShapeLibrary::default();
         let names: Vec<_> = scene.bodies.iter().map(|body| Some(body.name.clone())).collect();
+        let groups = groups_of(scene);
         for (index, body) in scene.bodies.iter().enumerate() {
             let at = checker.field(&format!("bodies[{index}]"));
-            let (new_body, label) = build_body(body, (scene.method, rate), &at, &mut library)
+            let (new_body, label) = check_groups(body, &at, |name| groups.contains(name))
+                .and_then(|()| build_body(body, (scene.method, rate), &at, &mut library))
                 .map_err(|error| error.in_body(&names))?;
             world.spawn_described(body, new_body, label);
         }
@@ -81,6 +84,7 @@ impl World {
     pub fn add_body(&mut self, body: &BodyDesc) -> Result<BodyId, BuildError> {
         let at = Checker::root().field("body");
         let method = (self.method, 1.0 / self.dt);
+        check_groups(body, &at, |name| self.bodies.classes.knows(name))?;
         let (new_body, label) = build_body(body, method, &at, &mut ShapeLibrary::default())?;
         Ok(self.spawn_described(body, new_body, label))
     }
