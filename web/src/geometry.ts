@@ -1,9 +1,10 @@
 // All corners of all bodies in one set of buffers, and the tables that the shaders look bodies up
 // in.
 import { BufferAttribute, BufferGeometry, DataTexture, FloatType, RGBAFormat } from "three";
+import { isClosed } from "./closed";
 import { coarser } from "./coarse";
 import { TEXELS } from "./poses";
-import type { Footage } from "./recording";
+import type { Footage, Mesh } from "./recording";
 import { TABLE_WIDTH } from "./shaders/place";
 
 /** What each kind of grain is for the shaders. */
@@ -15,10 +16,13 @@ export class Geometries {
   /** What lets light pass. */
   readonly glass = new BufferGeometry();
   hasGlass = false;
+  /** Whether the backs of all triangles are hidden. */
+  isClosed = false;
   private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> = { fine: {}, coarse: {} };
   private isCoarse = false;
   private ends: Record<"fine" | "coarse", Record<"solid" | "glass", Uint32Array>> | null = null;
   private bodies = 0;
+  private readonly closed = new WeakMap<Mesh, boolean>();
 
   /** `skinned` says whether corners have a place in an image, and a colour. */
   constructor(readonly skinned: boolean) {}
@@ -27,6 +31,7 @@ export class Geometries {
   fill(footage: Footage, cell: number): void {
     const merged = mergeBodies(footage, this.skinned, cell);
     this.hasGlass = merged.fine.glass.length > 0;
+    this.isClosed = !this.skinned && !this.hasGlass && footage.meshes.every((mesh) => this.closes(mesh));
     for (const part of ["solid", "glass"] as const) {
       const geometry = this[part];
       // What the driver has of the bodies before is let go.
@@ -38,6 +43,13 @@ export class Geometries {
     this.ends = merged.ends;
     this.bodies = footage.bodies.length;
     this.choose(this.isCoarse, this.bodies);
+  }
+
+  /** See `isClosed`, for each mesh once. */
+  private closes(mesh: Mesh): boolean {
+    const known = this.closed.get(mesh) ?? isClosed(mesh);
+    this.closed.set(mesh, known);
+    return known;
   }
 
   /** Draw fewer triangles of each body, or all, and so many of the bodies. */

@@ -16,6 +16,8 @@ const DEPTH = 5;
 export class Lamp {
   /** Unit vector towards it. */
   readonly towards: Vector3;
+  /** Of what casts shadows. */
+  readonly material: RawShaderMaterial;
   private readonly camera = new OrthographicCamera();
   /** Of a shadow map along a side. */
   private texels = 1;
@@ -26,7 +28,7 @@ export class Lamp {
     this.towards = right.clone().multiplyScalar(TOWARDS[0]).addScaledVector(up, TOWARDS[1]);
     this.towards.addScaledVector(new Vector3().crossVectors(right, up), TOWARDS[2]).normalize();
     uniforms.lamp.value.copy(this.towards);
-    const material = new RawShaderMaterial({
+    this.material = new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: LAMP_VERTEX,
       fragmentShader: LAMP_FRAGMENT,
@@ -36,7 +38,7 @@ export class Lamp {
     for (const geometry of [geometries.solid, geometries.glass]) {
       const target = new WebGLRenderTarget(1, 1, { depthTexture: depthTexture(1, 1) });
       const scene = new Scene();
-      const mesh = new Mesh(geometry, material);
+      const mesh = new Mesh(geometry, this.material);
       mesh.frustumCulled = false;
       scene.add(mesh);
       this.maps.push({ target, scene });
@@ -50,6 +52,11 @@ export class Lamp {
     if (texels === this.texels) return;
     this.texels = texels;
     for (const { target } of this.maps) target.setSize(texels, texels);
+  }
+
+  /** Let the driver compile beside the page. */
+  compile(renderer: WebGLRenderer): void {
+    renderer.compile(this.maps[0]!.scene, this.camera);
   }
 
   /** Look at what the camera looks at, from its distance [m], and draw what casts shadows. */

@@ -9,6 +9,8 @@ import { AMBIENT_FRAGMENT, SMOOTH_FRAGMENT } from "./shaders/screen";
 import type { Uniforms } from "./uniforms";
 
 export class Occlusion {
+  /** Of what hides the sky. */
+  readonly material: RawShaderMaterial;
   private readonly scene = new Scene();
   private readonly surfaces = new WebGLRenderTarget(1, 1, { depthTexture: depthTexture(1, 1) });
   private readonly rough = new WebGLRenderTarget(1, 1, { depthBuffer: false });
@@ -21,14 +23,14 @@ export class Occlusion {
     solid: BufferGeometry,
     uniforms: Uniforms,
   ) {
-    const material = new RawShaderMaterial({
+    this.material = new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: NORMAL_VERTEX,
       fragmentShader: NORMAL_FRAGMENT,
       uniforms: { poses: uniforms.poses, view: uniforms.view, viewProjection: uniforms.viewProjection },
       side: DoubleSide,
     });
-    const mesh = new Mesh(solid, material);
+    const mesh = new Mesh(solid, this.material);
     mesh.frustumCulled = false;
     this.scene.add(mesh);
     const { projection, inverseProjection, reach, taps, seed } = uniforms;
@@ -46,6 +48,12 @@ export class Occlusion {
 
   dispose(): void {
     for (const target of [this.surfaces, this.rough, this.smooth]) target.dispose();
+  }
+
+  /** Let the driver compile beside the page. */
+  compile(camera: Camera): void {
+    this.renderer.compile(this.scene, camera);
+    for (const pass of [this.sample, this.blur]) pass.compile(this.renderer);
   }
 
   draw(camera: Camera): void {

@@ -1,7 +1,7 @@
 // Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin
 // is the first target.
 import {
-  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
+  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, FrontSide, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
   PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
   WebGLRenderTarget, ZeroFactor,
 } from "three";
@@ -19,8 +19,9 @@ import { type Uniform, type Uniforms, makeUniforms } from "./uniforms";
 /** Half the width of what is drawn of a half-space, over the camera's distance: it ends in the haze. */
 const FLOOR_REACH = 40;
 
-/** Details that are left out where it is coarse, over half the height of the first view: two pixels of a picture 360 high. */
-const COARSE = 4 / 360;
+/** Details that are left out where it is coarse, over half the height of the first view: three pixels of a picture 360 high.
+ * Of `rain-100` half the triangles are left then, and of two pixels all but a few. */
+const COARSE = 6 / 360;
 
 /** How much is spent on a picture. */
 export interface Quality {
@@ -41,8 +42,12 @@ export class Stage {
   raised = 0;
   private readonly geometries: Geometries;
   private readonly glass: Mesh[] = [];
+  /** Of what is solid. */
+  private readonly surfaces: RawShaderMaterial;
   /** So many bodies have been born at the time shown. */
   private born = 0;
+  /** Whether the driver has all programs. */
+  private isComplete = false;
   /** Of the first view [m]. */
   private distance0 = 1;
   private readonly scene = new Scene();
@@ -66,7 +71,8 @@ export class Stage {
     this.occlusion = new Occlusion(renderer, this.geometries.solid, this.uniforms);
     this.film = new Film(renderer);
 
-    this.add(new Mesh(this.geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned })), 0);
+    this.surfaces = this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned });
+    this.add(new Mesh(this.geometries.solid, this.surfaces), 0);
     const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
     this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
 
@@ -83,6 +89,10 @@ export class Stage {
       this.add(mesh, 3 + index);
     });
     this.takeIn();
+    // All that the first picture needs, so that the driver compiles it at once.
+    for (const mesh of this.scene.children) if (mesh.visible) renderer.compile(mesh, camera);
+    this.lamp.compile(renderer);
+    this.film.compile();
   }
 
   /** Draw all bodies of the footage from now on, those too that are new. */
@@ -167,7 +177,11 @@ export class Stage {
       this.target.samples = quality.samples;
     }
     this.lamp.resize(quality.shadow);
-    this.geometries.choose(quality.isCoarse && distance > 0.6 * this.distance0, this.born);
+    const isCoarse = quality.isCoarse && distance > 0.6 * this.distance0;
+    this.geometries.choose(isCoarse, this.born);
+    // Coarse surfaces have gaps.
+    const side = this.geometries.isClosed && !isCoarse ? FrontSide : DoubleSide;
+    for (const material of [this.surfaces, this.lamp.material, this.occlusion.material]) material.side = side;
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
     if (quality.ambient) this.occlusion.draw(camera);
@@ -175,6 +189,9 @@ export class Stage {
     this.renderer.clear();
     this.renderer.render(this.scene, camera);
     this.film.show(this.target.texture, picture);
+    // Better pictures come later.
+    if (!this.isComplete) this.occlusion.compile(camera);
+    this.isComplete = true;
   }
 
   private add(mesh: Mesh, order: number): void {

@@ -23,12 +23,14 @@ const HINTS: Record<Tool, string> = {
 const HELD = 700;
 /** A first visit sees a ball on its way to the wall. */
 const FIRST_BALL = { radius: 0.18, from: [0.3, 0.9, 4.2], velocity: [-1, 1.2, -18] };
+/** The first picture of a page takes half a second and more: meanwhile so much is simulated that the second may show the
+ * ball among the pieces; a world that is slow is not waited for longer than that [ms]. */
+const HEAD_START = { frames: 24, patience: 400 };
 
 const input = (id: string): HTMLInputElement => element(id) as HTMLInputElement;
 const select = (id: string): HTMLSelectElement => element(id) as HTMLSelectElement;
 
 class Playground {
-  private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
   footage: LiveFootage | null = null;
   player: Player | null = null;
   private fps = 60;
@@ -48,7 +50,10 @@ class Playground {
   private filming = false;
   private readonly tools: Tools;
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly worker: Worker,
+  ) {
     this.worker.addEventListener("message", ({ data }: MessageEvent<Told>) => this.hear(data));
     this.worker.addEventListener("error", () => say("The engine stopped: reset, or load the page again."));
     this.tools = new Tools(canvas, element("line") as unknown as SVGLineElement, new WorldBench(canvas, this));
@@ -77,6 +82,7 @@ class Playground {
     const { radius, from, velocity } = FIRST_BALL;
     const story = { scene, actions: [{ frame: 0, add: ball(radius, from, velocity, 1) }] };
     this.order({ kind: "build", story, frames: 0 });
+    if (this.player === null) this.order({ kind: "step", ...HEAD_START });
   }
 
   order(order: Order): void {
@@ -174,6 +180,7 @@ class Playground {
     input("timeline").value = String(clock.time);
     element("play").textContent = clock.playing ? "Pause" : "Play";
     const data = document.documentElement.dataset;
+    [data["level"], data["calls"]] = [String(player.drawn.level), String(player.drawn.calls)];
     data["eye"] = player.camera.position.toArray().map((part) => part.toFixed(2)).join();
     [data["frame"], data["bodies"], data["hash"], data["frames"]] = [String(clock.frame), String(state.ids.length), state.hash, String(footage.frames)];
   }
@@ -326,8 +333,9 @@ function say(sentence: string, milliseconds = 0): void {
   if (milliseconds > 0) silence = setTimeout(() => say(""), milliseconds) as unknown as number;
 }
 
-async function main(): Promise<void> {
-  const playground = new Playground(element("view") as HTMLCanvasElement);
+/** Begin with what the address asks for. */
+export async function open(worker: Worker): Promise<void> {
+  const playground = new Playground(element("view") as HTMLCanvasElement, worker);
   const asked = new URLSearchParams(location.hash.slice(1));
   const story = asked.get("story");
   if (story === null) return playground.reset();
@@ -338,5 +346,3 @@ async function main(): Promise<void> {
   }
   playground.open(told, Math.min(Math.max(Number(asked.get("frames")) || 0, 0), 3600));
 }
-
-void main();
