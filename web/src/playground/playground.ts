@@ -131,6 +131,8 @@ class Playground {
     this.durations = [...this.durations.slice(-59), state.duration];
     if (this.footage !== null) {
       if (this.footage.append(state)) this.player?.takeIn();
+      // Without a picture, too.
+      input("timeline").max = String(this.footage.frames);
       if (this.stepping) this.player?.clock.step(1);
       this.stepping = false;
       return;
