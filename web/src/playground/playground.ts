@@ -3,7 +3,6 @@ import { DataArrayTexture } from "three";
 import { element } from "../panel";
 import { Player } from "../player";
 import { AHEAD, MOST_AHEAD, WorldBench } from "./bench";
-import { readMesh } from "./drop";
 import { LiveFootage } from "./live";
 import type { Order, Story, Told } from "./protocol";
 import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, SHOTS, sceneOf } from "./recipe";
@@ -306,6 +305,8 @@ class Playground {
     const file = files?.[0];
     if (file === undefined) return;
     try {
+      // Few visitors need what reads meshes.
+      const { readMesh } = await import("./drop");
       this.dropped = await readMesh(file.name, await file.arrayBuffer());
     } catch (error) {
       return say(`${file.name}: ${error instanceof Error ? error.message : String(error)}`, 8000);
