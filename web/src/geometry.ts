@@ -1,11 +1,13 @@
 // All corners of all bodies in one set of buffers, and the tables that the shaders look bodies up
 // in.
 import { BufferAttribute, BufferGeometry, DataTexture, FloatType, RGBAFormat } from "three";
-import { isClosed } from "./closed";
 import { coarser } from "./coarse";
 import { TEXELS } from "./poses";
-import type { Footage, Mesh } from "./recording";
+import type { Footage } from "./recording";
 import { TABLE_WIDTH } from "./shaders/place";
+
+/** Fewer triangles than these are drawn in 10 ms without a graphics card: coarser ones are not worth their gaps. */
+const MANY = 15_000;
 
 /** What each kind of grain is for the shaders. */
 const GRAINS = ["", "wood", "concrete"];
@@ -16,13 +18,12 @@ export class Geometries {
   /** What lets light pass. */
   readonly glass = new BufferGeometry();
   hasGlass = false;
-  /** Whether the backs of all triangles are hidden. */
-  isClosed = false;
+  /** Whether there are so many triangles that fewer are worth while. */
+  isLarge = false;
   private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> = { fine: {}, coarse: {} };
   private isCoarse = false;
   private ends: Record<"fine" | "coarse", Record<"solid" | "glass", Uint32Array>> | null = null;
   private bodies = 0;
-  private readonly closed = new WeakMap<Mesh, boolean>();
 
   /** `skinned` says whether corners have a place in an image, and a colour. */
   constructor(readonly skinned: boolean) {}
@@ -31,7 +32,7 @@ export class Geometries {
   fill(footage: Footage, cell: number): void {
     const merged = mergeBodies(footage, this.skinned, cell);
     this.hasGlass = merged.fine.glass.length > 0;
-    this.isClosed = !this.skinned && !this.hasGlass && footage.meshes.every((mesh) => this.closes(mesh));
+    this.isLarge = merged.fine.solid.length + merged.fine.glass.length > 3 * MANY;
     for (const part of ["solid", "glass"] as const) {
       const geometry = this[part];
       // What the driver has of the bodies before is let go.
@@ -43,13 +44,6 @@ export class Geometries {
     this.ends = merged.ends;
     this.bodies = footage.bodies.length;
     this.choose(this.isCoarse, this.bodies);
-  }
-
-  /** See `isClosed`, for each mesh once. */
-  private closes(mesh: Mesh): boolean {
-    const known = this.closed.get(mesh) ?? isClosed(mesh);
-    this.closed.set(mesh, known);
-    return known;
   }
 
   /** Draw fewer triangles of each body, or all, and so many of the bodies. */

@@ -16,8 +16,6 @@ const DEPTH = 5;
 export class Lamp {
   /** Unit vector towards it. */
   readonly towards: Vector3;
-  /** Of what casts shadows. */
-  readonly material: RawShaderMaterial;
   private readonly camera = new OrthographicCamera();
   /** Of a shadow map along a side. */
   private texels = 1;
@@ -28,7 +26,7 @@ export class Lamp {
     this.towards = right.clone().multiplyScalar(TOWARDS[0]).addScaledVector(up, TOWARDS[1]);
     this.towards.addScaledVector(new Vector3().crossVectors(right, up), TOWARDS[2]).normalize();
     uniforms.lamp.value.copy(this.towards);
-    this.material = new RawShaderMaterial({
+    const material = new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: LAMP_VERTEX,
       fragmentShader: LAMP_FRAGMENT,
@@ -38,7 +36,7 @@ export class Lamp {
     for (const geometry of [geometries.solid, geometries.glass]) {
       const target = new WebGLRenderTarget(1, 1, { depthTexture: depthTexture(1, 1) });
       const scene = new Scene();
-      const mesh = new Mesh(geometry, this.material);
+      const mesh = new Mesh(geometry, material);
       mesh.frustumCulled = false;
       scene.add(mesh);
       this.maps.push({ target, scene });

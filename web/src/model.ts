@@ -4,7 +4,6 @@ export { TEXELS, fillPoses } from "./poses";
 export { breaks, countAlive } from "./recording";
 export { unfold } from "./meshes";
 export { CAUSES } from "./books";
-export { isClosed } from "./closed";
 export { coarser } from "./coarse";
 export { Colouring } from "./colouring";
 export { Motion, generation } from "./motion";

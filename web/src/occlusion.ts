@@ -9,8 +9,6 @@ import { AMBIENT_FRAGMENT, SMOOTH_FRAGMENT } from "./shaders/screen";
 import type { Uniforms } from "./uniforms";
 
 export class Occlusion {
-  /** Of what hides the sky. */
-  readonly material: RawShaderMaterial;
   private readonly scene = new Scene();
   private readonly surfaces = new WebGLRenderTarget(1, 1, { depthTexture: depthTexture(1, 1) });
   private readonly rough = new WebGLRenderTarget(1, 1, { depthBuffer: false });
@@ -23,14 +21,14 @@ export class Occlusion {
     solid: BufferGeometry,
     uniforms: Uniforms,
   ) {
-    this.material = new RawShaderMaterial({
+    const material = new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: NORMAL_VERTEX,
       fragmentShader: NORMAL_FRAGMENT,
       uniforms: { poses: uniforms.poses, view: uniforms.view, viewProjection: uniforms.viewProjection },
       side: DoubleSide,
     });
-    const mesh = new Mesh(solid, this.material);
+    const mesh = new Mesh(solid, material);
     mesh.frustumCulled = false;
     this.scene.add(mesh);
     const { projection, inverseProjection, reach, taps, seed } = uniforms;

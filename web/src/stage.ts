@@ -1,7 +1,7 @@
 // Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin
 // is the first target.
 import {
-  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, FrontSide, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
+  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
   PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
   WebGLRenderTarget, ZeroFactor,
 } from "three";
@@ -42,8 +42,6 @@ export class Stage {
   raised = 0;
   private readonly geometries: Geometries;
   private readonly glass: Mesh[] = [];
-  /** Of what is solid. */
-  private readonly surfaces: RawShaderMaterial;
   /** So many bodies have been born at the time shown. */
   private born = 0;
   /** Whether the driver has all programs. */
@@ -71,8 +69,7 @@ export class Stage {
     this.occlusion = new Occlusion(renderer, this.geometries.solid, this.uniforms);
     this.film = new Film(renderer);
 
-    this.surfaces = this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned });
-    this.add(new Mesh(this.geometries.solid, this.surfaces), 0);
+    this.add(new Mesh(this.geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned })), 0);
     const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
     this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
 
@@ -177,11 +174,7 @@ export class Stage {
       this.target.samples = quality.samples;
     }
     this.lamp.resize(quality.shadow);
-    const isCoarse = quality.isCoarse && distance > 0.6 * this.distance0;
-    this.geometries.choose(isCoarse, this.born);
-    // Coarse surfaces have gaps.
-    const side = this.geometries.isClosed && !isCoarse ? FrontSide : DoubleSide;
-    for (const material of [this.surfaces, this.lamp.material, this.occlusion.material]) material.side = side;
+    this.geometries.choose(quality.isCoarse && this.geometries.isLarge && distance > 0.6 * this.distance0, this.born);
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
     if (quality.ambient) this.occlusion.draw(camera);

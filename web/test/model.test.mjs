@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, decode, fillPoses, isClosed, quantity, unfold } from "../dist/model.mjs";
+import { Clock, Colouring, Motion, Picker, TEXELS, blobs, breaks, coarser, countAlive, decode, fillPoses, quantity, unfold } from "../dist/model.mjs";
 
 /** Fold and split whole numbers as `python/frangible/io/page_streams.py` does. */
 function encode(columns, order) {
@@ -185,22 +185,6 @@ test("a ray meets the nearest body, turned as it is", () => {
   assert.equal(picker.pick(poses, [3, 0, 10], [0, 0, -1]), null);
   assert.equal(picker.pick(poses, [0, 0, 10], [0, 0, 1]), null);
   assert.ok(Math.abs(picker.radius(0) - Math.SQRT2) < 1e-6);
-});
-
-test("a surface is closed if it bounds a volume from outside", () => {
-  // Corners of a box by the bits of their numbers, far from the origin, and its sides.
-  const corners = (size) => Float32Array.from({ length: 24 }, (_, at) => 3 + (((at / 3) >> (at % 3)) & 1) * size[at % 3]);
-  const sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-  const box = (size, kept = sides) => ({ positions: corners(size), triangles: Int32Array.from(kept.flatMap(([a, b, c, d]) => [a, b, c, a, c, d])) });
-  for (const size of [[1, 1, 1], [2, 1.5, 0.02]]) {
-    assert.ok(isClosed(box(size)));
-    assert.ok(!isClosed({ ...box(size), triangles: box(size).triangles.toReversed() }), "inside out");
-    for (const missing of sides) assert.ok(!isClosed(box(size, sides.filter((side) => side !== missing))), `without ${missing}`);
-    // What is missing on one side is missing on the other one.
-    for (const first of [0, 2, 4]) assert.ok(!isClosed(box(size, sides.toSpliced(first, 2))), `a tube without ${first}`);
-  }
-  assert.ok(!isClosed(box([1, 1, 1], sides.slice(0, 1))));
-  assert.ok(isClosed({ positions: new Float32Array(0), triangles: new Int32Array(0) }));
 });
 
 test("coarser triangles keep what is larger than a cell", () => {
