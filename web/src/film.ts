@@ -17,6 +17,11 @@ export class Film {
     for (const target of this.targets) target.setSize(width, height);
   }
 
+  /** See `ScreenPass`. */
+  compile(): void {
+    for (const pass of [this.develop, this.copy]) pass.compile(this.renderer);
+  }
+
   dispose(): void {
     for (const target of this.targets) target.dispose();
   }

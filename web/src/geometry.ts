@@ -6,6 +6,9 @@ import { TEXELS } from "./poses";
 import type { Footage } from "./recording";
 import { TABLE_WIDTH } from "./shaders/place";
 
+/** Fewer triangles than these are drawn in 10 ms without a graphics card: coarser ones are not worth their gaps. */
+const MANY = 15_000;
+
 /** What each kind of grain is for the shaders. */
 const GRAINS = ["", "wood", "concrete"];
 
@@ -15,6 +18,8 @@ export class Geometries {
   /** What lets light pass. */
   readonly glass = new BufferGeometry();
   hasGlass = false;
+  /** Whether there are so many triangles that fewer are worth while. */
+  isLarge = false;
   private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> = { fine: {}, coarse: {} };
   private isCoarse = false;
   private ends: Record<"fine" | "coarse", Record<"solid" | "glass", Uint32Array>> | null = null;
@@ -27,6 +32,7 @@ export class Geometries {
   fill(footage: Footage, cell: number): void {
     const merged = mergeBodies(footage, this.skinned, cell);
     this.hasGlass = merged.fine.glass.length > 0;
+    this.isLarge = merged.fine.solid.length + merged.fine.glass.length > 3 * MANY;
     for (const part of ["solid", "glass"] as const) {
       const geometry = this[part];
       // What the driver has of the bodies before is let go.

@@ -52,6 +52,11 @@ export class Lamp {
     for (const { target } of this.maps) target.setSize(texels, texels);
   }
 
+  /** Let the driver compile beside the page. */
+  compile(renderer: WebGLRenderer): void {
+    renderer.compile(this.maps[0]!.scene, this.camera);
+  }
+
   /** Look at what the camera looks at, from its distance [m], and draw what casts shadows. */
   draw(renderer: WebGLRenderer, target: Vector3, distance: number, uniforms: Uniforms): void {
     const reach = REACH * distance;

@@ -48,6 +48,12 @@ export class Occlusion {
     for (const target of [this.surfaces, this.rough, this.smooth]) target.dispose();
   }
 
+  /** Let the driver compile beside the page. */
+  compile(camera: Camera): void {
+    this.renderer.compile(this.scene, camera);
+    for (const pass of [this.sample, this.blur]) pass.compile(this.renderer);
+  }
+
   draw(camera: Camera): void {
     this.renderer.setRenderTarget(this.surfaces);
     this.renderer.clear();

@@ -14,7 +14,7 @@ const ASPECT = 16 / 9;
 /** Pictures of the same that are averaged while nothing moves, and the time after which they are enough [ms]. */
 const PICTURES = 32;
 const PATIENCE = 6000;
-/** From best to cheapest; a step down is taken when a picture takes longer than that [ms]. */
+/** From best to cheapest. The first pictures are the cheapest, so that they come soon. */
 const LEVELS: readonly (Quality & { pixelRatio: number })[] = [
   { pixelRatio: 2, taps: 24, ambient: true, samples: 4, shadow: 2048, isCoarse: false },
   { pixelRatio: 1, taps: 12, ambient: true, samples: 4, shadow: 2048, isCoarse: false },
@@ -22,10 +22,19 @@ const LEVELS: readonly (Quality & { pixelRatio: number })[] = [
   { pixelRatio: 0.5, taps: 4, ambient: false, samples: 0, shadow: 1024, isCoarse: true },
   { pixelRatio: 0.5, taps: 1, ambient: false, samples: 0, shadow: 512, isCoarse: true },
 ];
+/** A step down is taken when a picture takes longer, and a step up when it takes no longer [ms]: a screen shows thirty a
+ * second at least. Between the two nothing changes. */
 const TOO_LONG = 45;
+const SHORT = 36;
+/** Pictures whose median counts: machines that are quick have the best after a third of a second. */
+const FOR_LESS = 12;
+const FOR_MORE = 5;
 const BEST = 0;
-/** What rests that long is drawn at this level at least [ms]. */
+const CHEAPEST = LEVELS.length - 1;
+/** What rests that long is drawn at this level or a better one, and what plays and waits for its next frame so long: a picture at
+ * this level keeps a slow machine from making that frame [ms]. */
 const REST = 300;
+const WAITS = 2000;
 const SHARP = 1;
 
 /** No more is drawn here: the driver took the context away. */
@@ -55,7 +64,9 @@ export class Player {
   readonly viewpoint: Viewpoint;
   private picker!: Picker;
   private stage: Stage | null = null;
-  private level = BEST;
+  private level = CHEAPEST;
+  /** What is better has been too slow. */
+  private best = BEST;
   private durations: number[] = [];
   private isResting = false;
   private picture = 0;
@@ -106,9 +117,9 @@ export class Player {
     this.resize();
   }
 
-  /** Begin with less than the best pictures, which is level 0. */
+  /** Begin with this level, and show no better ones; 0 is the best. */
   spend(level: number): void {
-    this.level = Math.min(Math.max(Math.round(level) || 0, BEST), LEVELS.length - 1);
+    this.level = this.best = Math.min(Math.max(Math.round(level) || 0, BEST), CHEAPEST);
     this.resize();
   }
 
@@ -153,10 +164,10 @@ export class Player {
     else this.viewpoint.focus(new Vector3().fromArray(this.poses, at), radius);
   }
 
-  /** Draw calls and triangles of the last picture, of all its passes. */
-  get drawn(): { calls: number; triangles: number } {
+  /** Draw calls and triangles of the last picture, of all its passes; and its level. */
+  get drawn(): { calls: number; triangles: number; level: number } {
     const { calls, triangles } = this.renderer.info.render;
-    return { calls, triangles };
+    return { calls, triangles, level: this.isResting ? this.levelAtRest : this.level };
   }
 
   /** What is drawn: places and quaternions as `Footage.fill` fills them. */
@@ -202,10 +213,13 @@ export class Player {
       this.state = state;
       this.picture = 0;
       this.still = now;
-    } else if (!this.isResting && this.level > SHARP && now - this.still > REST) {
+    } else if (!this.isResting && this.level > this.levelAtRest && now - this.still > (this.clock.playing ? WAITS : REST)) {
       this.rest(true);
       this.state = state;
       this.picture = 0;
+    } else if (!this.isResting && this.level > this.levelAtRest) {
+      // Sharper pictures of it come soon.
+      return;
     } else if (this.picture >= PICTURES || (now - this.still > PATIENCE && this.picture >= 4)) {
       this.durations = [];
       return;
@@ -222,11 +236,15 @@ export class Player {
     this.stage?.pose(this.clock.time, this.explode);
     this.stage?.draw(this.camera, this.orbit.target, this.quality, this.picture);
     this.picture++;
-    this.onDraw(this.picture >= 4 && (this.isResting || this.level <= SHARP));
+    this.onDraw(this.picture >= 4 && (this.isResting || this.level <= this.levelAtRest));
+  }
+
+  private get levelAtRest(): number {
+    return Math.min(this.best, SHARP);
   }
 
   private get quality(): (typeof LEVELS)[number] {
-    return LEVELS[this.isResting ? Math.min(this.level, SHARP) : this.level]!;
+    return LEVELS[this.drawn.level]!;
   }
 
   /** Nothing moves: there is time for a sharper picture. */
@@ -234,18 +252,19 @@ export class Player {
     if (isResting === this.isResting) return;
     this.isResting = isResting;
     this.durations = [];
-    if (this.level > SHARP) this.resize();
+    if (this.level > this.levelAtRest) this.resize();
   }
 
-  /** Spend less on a picture where the last ones took too long. */
+  /** Spend less on a picture where the last ones took too long, and more where they did not. */
   private adapt(duration: number): void {
     this.durations.push(duration);
-    if (this.durations.length < 12) return;
-    const median = this.durations.sort((a, b) => a - b)[6]!;
+    if (this.durations.length < (this.level > this.best ? FOR_MORE : FOR_LESS)) return;
+    const median = this.durations.sort((a, b) => a - b)[this.durations.length >> 1]!;
     this.durations = [];
-    if (median <= TOO_LONG || this.level === LEVELS.length - 1) return;
-    this.level++;
-    this.resize();
+    const level = this.level;
+    if (median > TOO_LONG) this.best = this.level = Math.min(level + 1, CHEAPEST);
+    else if (median <= SHORT && level > this.best) this.level--;
+    if (this.level !== level) this.resize();
   }
 
   private resize(): void {

@@ -18,6 +18,11 @@ export class ScreenPass {
     this.scene.add(mesh);
   }
 
+  /** Let the driver compile beside the page. */
+  compile(renderer: WebGLRenderer): void {
+    renderer.compile(this.scene, this.camera);
+  }
+
   /** Draw into a target, or onto the page. */
   draw(renderer: WebGLRenderer, target: WebGLRenderTarget | null): void {
     renderer.setRenderTarget(target);

@@ -19,8 +19,9 @@ import { type Uniform, type Uniforms, makeUniforms } from "./uniforms";
 /** Half the width of what is drawn of a half-space, over the camera's distance: it ends in the haze. */
 const FLOOR_REACH = 40;
 
-/** Details that are left out where it is coarse, over half the height of the first view: two pixels of a picture 360 high. */
-const COARSE = 4 / 360;
+/** Details that are left out where it is coarse, over half the height of the first view: three pixels of a picture 360 high.
+ * Of `rain-100` half the triangles are left then, and of two pixels all but a few. */
+const COARSE = 6 / 360;
 
 /** How much is spent on a picture. */
 export interface Quality {
@@ -43,6 +44,8 @@ export class Stage {
   private readonly glass: Mesh[] = [];
   /** So many bodies have been born at the time shown. */
   private born = 0;
+  /** Whether the driver has all programs. */
+  private isComplete = false;
   /** Of the first view [m]. */
   private distance0 = 1;
   private readonly scene = new Scene();
@@ -83,6 +86,10 @@ export class Stage {
       this.add(mesh, 3 + index);
     });
     this.takeIn();
+    // All that the first picture needs, so that the driver compiles it at once.
+    for (const mesh of this.scene.children) if (mesh.visible) renderer.compile(mesh, camera);
+    this.lamp.compile(renderer);
+    this.film.compile();
   }
 
   /** Draw all bodies of the footage from now on, those too that are new. */
@@ -167,7 +174,7 @@ export class Stage {
       this.target.samples = quality.samples;
     }
     this.lamp.resize(quality.shadow);
-    this.geometries.choose(quality.isCoarse && distance > 0.6 * this.distance0, this.born);
+    this.geometries.choose(quality.isCoarse && this.geometries.isLarge && distance > 0.6 * this.distance0, this.born);
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
     if (quality.ambient) this.occlusion.draw(camera);
@@ -175,6 +182,9 @@ export class Stage {
     this.renderer.clear();
     this.renderer.render(this.scene, camera);
     this.film.show(this.target.texture, picture);
+    // Better pictures come later.
+    if (!this.isComplete) this.occlusion.compile(camera);
+    this.isComplete = true;
   }
 
   private add(mesh: Mesh, order: number): void {

@@ -55,6 +55,14 @@ test("a story that was played with ends in the same state when it is told again"
   assert.equal(again.last().hash, played.last().hash);
 });
 
+test("a world that is slow is not stepped longer than somebody is patient", () => {
+  const { simulator, states, faults } = listener();
+  simulator.obey({ kind: "build", story: STORY, frames: 0 });
+  simulator.obey({ kind: "step", frames: 100_000, patience: 50 });
+  assert.deepEqual(faults(), []);
+  assert.ok(states().length > 1 && states().length < 100_000, `${states().length} frames`);
+});
+
 test("what is undone has not happened", () => {
   const { simulator, told, last, states } = listener();
   simulator.obey({ kind: "build", story: STORY, frames: 5 });

@@ -129,6 +129,34 @@ test("a visitor sees a wall that breaks, throws a ball, undoes it, and shares th
   await other.close();
 });
 
+test("a visitor's first picture is a cheap one, and the engine does not wait for it", { skip, timeout: 400_000 }, async () => {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 } });
+  // A page whose pictures are drawn when the test says so, and what its worker tells.
+  await context.addInitScript(() => {
+    const later = [];
+    window.requestAnimationFrame = (draw) => later.push(draw);
+    window.drawn = () => later.splice(0).forEach((draw) => draw(performance.now()));
+    window.told = [];
+    window.Worker = class extends Worker {
+      constructor(...all) {
+        super(...all);
+        this.addEventListener("message", ({ data }) => window.told.push(data));
+      }
+    };
+  });
+  const page = await open("", context);
+  const frames = () => page.evaluate(() => window.told.filter(({ kind }) => kind === "frame").length);
+  await page.waitForFunction(() => window.told.filter(({ kind }) => kind === "done").length === 2, null, { polling: 50, timeout: 120_000 });
+  assert.ok((await frames()) > 1, "nothing is simulated before the first picture");
+  assert.equal((await data(page)).frame, undefined);
+  await page.evaluate(() => window.drawn());
+  const first = await data(page);
+  // The lamp's map, surfaces, ground, backdrop, film and its copy: no ambient occlusion.
+  assert.deepEqual([first.level, first.calls], ["4", "6"]);
+  assert.deepEqual(page.faults, []);
+  await context.close();
+});
+
 test("fingers throw, cut and burst", { skip, timeout: 400_000 }, async () => {
   const context = await browser.newContext({ viewport: { width: 400, height: 640 }, hasTouch: true, isMobile: true });
   const page = await open("", context);

@@ -9,9 +9,10 @@ import { ball } from "./simulator";
 import type { Bench } from "./tools";
 
 /** The worker is ahead of the picture by two frames, so that what is thrown is seen soon; by more where
- * pictures take longer than frames, so that time passes all the same. */
+ * pictures take longer than frames, so that time passes all the same: as many as pass at most from a
+ * picture to the next, a quarter of a second. */
 export const AHEAD = 2;
-export const MOST_AHEAD = 8;
+export const MOST_AHEAD = 15;
 /** The farthest pieces of a burst fly so fast: half a metre before they fall as far [m/s]. */
 const BURST = 2;
 

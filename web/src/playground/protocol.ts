@@ -33,8 +33,8 @@ export interface Story {
 export type Order =
   /** Builds the world, replays its story up to a frame, and tells all frames. */
   | { kind: "build"; story: Story; frames: number }
-  /** Steps so many frames. */
-  | { kind: "step"; frames: number }
+  /** Steps so many frames, or as many as are done in a time [ms]. */
+  | { kind: "step"; frames: number; patience?: number }
   /** Builds a shot of the engine's. */
   | { kind: "shot"; name: string }
   | { kind: "do"; deed: Deed }

@@ -38,7 +38,7 @@ export class Simulator {
       case "build":
         return this.build(order.story, order.frames);
       case "step":
-        return this.step(order.frames);
+        return this.step(order.frames, order.patience);
       case "shot":
         return this.build({ scene: shotScene(order.name), actions: [] }, 0);
       case "do":
@@ -68,9 +68,10 @@ export class Simulator {
     this.step(frames - world.frame);
   }
 
-  private step(frames: number): void {
+  private step(frames: number, patience = Infinity): void {
     const world = this.needed();
-    for (let i = 0; i < frames; i++) {
+    const end = performance.now() + patience;
+    for (let i = 0; i < frames && performance.now() < end; i++) {
       const start = performance.now();
       world.step();
       this.show(performance.now() - start);

@@ -7,7 +7,8 @@ const tell = (told: Told): void => {
   postMessage(told, told.kind === "frame" ? { transfer: [told.state.ids.buffer, told.state.poses.buffer] } : {});
 };
 const simulator = new Simulator(tell);
-const ready = init({ module_or_path: new URL("../../engine/engine_bg.wasm", import.meta.url) }).catch((error: unknown) => {
+const ready = init({ module_or_path: new URL("../../engine/engine_bg.wasm", import.meta.url) });
+const explain = (error: unknown): void => {
   tell({ kind: "fault", sentence: `The engine cannot be loaded: ${error instanceof Error ? error.message : String(error)}` });
-});
-addEventListener("message", ({ data }: MessageEvent<Order>) => void ready.then(() => simulator.obey(data)));
+};
+addEventListener("message", ({ data }: MessageEvent<Order>) => void ready.then(() => simulator.obey(data), explain));

@@ -21,9 +21,43 @@ float noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + seed);
 }
 
+/** Each pixel turns the samples by an angle of its own. */
+float patternTurn() {
+  return 6.2831853 * noise(gl_FragCoord.xy);
+}
+
 vec2 disk(int i, int count, float turn) {
   float angle = 2.39996323 * float(i) + turn;
   return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
+}
+
+/** Share of the lamp that is seen from a place of its map: first how far away is what hides it, then how much that hides. */
+float softened(vec3 at, vec3 n, float facing) {
+  // How far the surface itself rises towards the lamp across the map, in the map's units.
+  vec3 across = vec3(lampMatrix[0][0], lampMatrix[1][0], lampMatrix[2][0]);
+  vec3 along = vec3(lampMatrix[0][1], lampMatrix[1][1], lampMatrix[2][1]);
+  vec2 slope = vec2(dot(n, normalize(across)), dot(n, normalize(along))) / max(facing, 0.15) * lampReach.x / lampReach.y;
+
+  float turn = patternTurn();
+  float wide = min(LAMP_RADIUS * lampReach.y * 0.12 / lampReach.x, 0.06);
+  float share = 1.0;
+  float above = 0.0, blockers = 0.0;
+  for (int i = 0; i < taps; i++) {
+    vec2 offset = wide * 0.5 * disk(i, taps, turn);
+    float surface = at.z + 2.0 * dot(offset, slope);
+    float depth = texture(lampDepth, at.xy + offset).r;
+    if (depth < surface) { above += surface - depth; blockers += 1.0; }
+  }
+  if (blockers > 0.0) {
+    float radius = clamp(LAMP_RADIUS * above / blockers * lampReach.y / lampReach.x, lampReach.z / lampReach.x, wide);
+    float open = 0.0;
+    for (int i = 0; i < taps; i++) {
+      vec2 offset = radius * 0.5 * disk(i, taps, turn);
+      open += step(at.z + 2.0 * dot(offset, slope), texture(lampDepth, at.xy + offset).r);
+    }
+    share = open / float(taps);
+  }
+  return share;
 }
 
 /** Share of the lamp's light that arrives at a point. */
@@ -35,32 +69,11 @@ float lampShare(vec3 point, vec3 n) {
   vec2 away = abs(at.xy - 0.5) * 2.0;
   if (max(away.x, away.y) >= 1.0) return 1.0;
 
-  // How far the surface itself rises towards the lamp across the map, in the map's units.
-  vec3 across = vec3(lampMatrix[0][0], lampMatrix[1][0], lampMatrix[2][0]);
-  vec3 along = vec3(lampMatrix[0][1], lampMatrix[1][1], lampMatrix[2][1]);
-  vec2 slope = vec2(dot(n, normalize(across)), dot(n, normalize(along))) / max(facing, 0.15) * lampReach.x / lampReach.y;
-
-  float turn = 6.2831853 * noise(gl_FragCoord.xy);
-  float wide = min(LAMP_RADIUS * lampReach.y * 0.12 / lampReach.x, 0.06);
-  float above = 0.0, blockers = 0.0;
-  for (int i = 0; i < taps; i++) {
-    vec2 offset = wide * 0.5 * disk(i, taps, turn);
-    float surface = at.z + 2.0 * dot(offset, slope);
-    float depth = texture(lampDepth, at.xy + offset).r;
-    if (depth < surface) { above += surface - depth; blockers += 1.0; }
-  }
   float share = 1.0;
-  if (blockers > 0.0) {
-    float radius = clamp(LAMP_RADIUS * above / blockers * lampReach.y / lampReach.x, lampReach.z / lampReach.x, wide);
-    float open = 0.0;
-    for (int i = 0; i < taps; i++) {
-      vec2 offset = radius * 0.5 * disk(i, taps, turn);
-      open += step(at.z + 2.0 * dot(offset, slope), texture(lampDepth, at.xy + offset).r);
-    }
-    share = open / float(taps);
-  }
+  if (taps > 1) share = softened(at, n, facing);
+  else share = step(at.z, texture(lampDepth, at.xy).r);
   if (hasGlass) {
-    float clear = 0.0;
+    float clear = 0.0, turn = patternTurn();
     for (int i = 0; i < 4; i++)
       clear += step(at.z, texture(glassDepth, at.xy + lampReach.z / lampReach.x * disk(i, 4, turn)).r);
     share *= mix(GLASS_SHADOW, 1.0, clear / 4.0);
@@ -329,14 +342,15 @@ ${LAMP}${SKY}
 
 void main() {
   float depth = length(world - eye);
+  float far = depth / distance0;
   vec3 ray = (world - eye) / depth;
   vec2 cell = abs(fract((world + gridOrigin).xz / spacing + 0.5) - 0.5) * spacing;
   float pixel = max(1.1e-3 * depth, 1e-9);
   float line = clamp(1.5 - min(cell.x, cell.y) / pixel, 0.0, 1.0);
-  vec3 albedo = FLOOR_COLOUR * (1.0 - 0.22 * line * exp(-pow(depth / (2.0 * distance0), 2.0)));
+  vec3 albedo = FLOOR_COLOUR * (1.0 - 0.22 * line * exp(-0.25 * far * far));
   vec3 light = lampShare(world, floorNormal) * LAMP_COLOUR * max(dot(floorNormal, lamp), 0.0);
   vec3 lit = albedo * (light + skyLight(floorNormal));
-  float haze = 1.0 - exp(-pow(depth / (5.0 * distance0), 2.0));
+  float haze = 1.0 - exp(-0.04 * far * far);
   radiance = vec4(mix(lit, HAZE_COLOUR, haze), 1.0);
 }
 `;
