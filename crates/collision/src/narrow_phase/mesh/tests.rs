@@ -208,8 +208,9 @@ fn points_in_a_room(position: DVec3, velocity: DVec3) -> Vec<ManifoldPoint> {
     points(&world)
 }
 
-fn walls(points: &[ManifoldPoint]) -> BTreeSet<[i32; 3]> {
-    points.iter().map(|point| point.normal.round().as_ivec3().to_array()).collect()
+fn walls(points: &[ManifoldPoint]) -> BTreeSet<[i64; 3]> {
+    let whole = |part: f64| part.round() as i64;
+    points.iter().map(|point| point.normal.to_array().map(whole)).collect()
 }
 
 /// A ball that crosses a room several times in a frame has points with all walls that it meets.
