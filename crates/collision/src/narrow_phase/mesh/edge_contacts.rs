@@ -108,7 +108,8 @@ impl<F: FnOnce() -> Option<MeshEdge>> EdgePair<'_, F> {
         let near = motion.pair_motion.near;
         let ends_at = |instant: usize| {
             let vertices = way.vertices(instant);
-            self.own.vertices.map(|vertex| vertices[vertex as usize])
+            let [from, to] = self.own.vertices;
+            [vertices[from as usize], vertices[to as usize]]
         };
         for part in 1..way.instants.len() {
             let [before, after] = [&way.instants[part - 1], &way.instants[part]];
@@ -141,8 +142,9 @@ impl<F: FnOnce() -> Option<MeshEdge>> EdgePair<'_, F> {
             if !self.stand_out(edge, normal, turned) {
                 continue;
             }
-            let [own_from, own_to] =
-                self.own.vertices.map(|vertex| hull.vertices()[vertex as usize]);
+            let [own_from, own_to] = self.own.vertices;
+            let vertices = hull.vertices();
+            let (own_from, own_to) = (vertices[own_from as usize], vertices[own_to as usize]);
             let on_body = own_from.lerp(own_to, part_of_own);
             let on_hull = lerped[0].lerp(lerped[1], part_of_own);
             // The hull's inside lies beyond the mesh's edge.

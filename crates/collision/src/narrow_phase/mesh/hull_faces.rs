@@ -36,7 +36,7 @@ impl Corner<'_> {
         let corner = motion.mesh.positions()[self.vertex];
         for (part, pair) in way.instants.windows(2).enumerate() {
             let [from, to] = [&pair[0], &pair[1]];
-            let points = [from, to].map(|instant| instant.body_from_mesh.point(corner));
+            let points = [from.body_from_mesh.point(corner), to.body_from_mesh.point(corner)];
             let is_held = way.is_supported && motion.is_borne;
             let without_sag = |at: f64| match is_held {
                 true => DVec3::ZERO,
@@ -144,7 +144,7 @@ impl Corner<'_> {
     /// Meeting with the inside of a face.
     fn sweep(&self, face: &HullFace, way: [DVec3; 2], overlaps: bool) -> Option<Sweep> {
         let HullWay { motion: MeshMotion { thin, .. }, hull, .. } = *self.hull_way;
-        let [start, end] = way.map(|point| face.plane.distance(point));
+        let [start, end] = [face.plane.distance(way[0]), face.plane.distance(way[1])];
         let gap = |at: f64| start + at * (end - start);
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
         let corners = face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
@@ -152,7 +152,8 @@ impl Corner<'_> {
         for (corner, next) in corners.zip(next) {
             let inward = face.plane.normal.cross(next - corner);
             let most = -thin * inward.length();
-            let [before, after] = way.map(|point| inward.dot(point - corner) - most);
+            let before = inward.dot(way[0] - corner) - most;
+            let after = inward.dot(way[1] - corner) - most;
             if before < 0.0 && after < 0.0 {
                 return None;
             }
