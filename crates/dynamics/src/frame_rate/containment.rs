@@ -23,8 +23,10 @@ const LEAST_WAY_OF_PAIR: f64 = 0.2;
 
 /// Maximum number of steps along a straight part of a core's way [1]. Towards a convex body each
 /// goes to the plane that is next to the core: three arrive. Along a surface of any other kind a
-/// step is no longer than the distance from it.
-const MOST_STEPS: u32 = 128;
+/// step is no longer than the distance from it: a ball of 5 cm along a wall of triangles at 200 m/s
+/// and 30 Hz takes 180; with 64 steps such balls, pushed off their ways by others, left rooms of
+/// triangles: one of 150 in a second.
+const MOST_STEPS: u32 = 1024;
 
 /// Maximum turn of the two bodies along a part of the way that is taken to be straight [rad]: an
 /// arm's end strays from it by a thousandth of the arm.

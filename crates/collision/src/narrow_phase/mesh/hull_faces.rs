@@ -1,10 +1,10 @@
 //! Corners of a mesh that stand out against faces of a hull.
 
+use crate::narrow_phase::mesh::hull_way::{HullWay, Instant, Way};
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::triangle_sweep::Sweep;
-use frangible_geometry::{Hull, HullFace};
-use frangible_math::RigidTransform;
+use frangible_geometry::HullFace;
 use glam::DVec3;
 
 /// Sine of the angle by which an edge of the mesh may rise over a hull's face that a corner of it
@@ -13,61 +13,52 @@ const RISES: f64 = 5e-3;
 
 /// Appends the contacts of some vertices of the mesh with faces of the hull.
 pub(crate) fn corner_contacts(
-    motion: &MeshMotion,
-    hull: &Hull,
-    inside: DVec3,
+    hull_way: &HullWay,
     vertices: &[usize],
     contacts: &mut Vec<MeshContact>,
 ) {
     for &vertex in vertices {
-        let corner = Corner { motion, hull, inside, vertex };
-        let on_supported = corner.contact(&motion.supported, true);
-        let on_flight = || corner.contact(&motion.instants, false);
-        contacts.extend(on_supported.or_else(on_flight));
+        let corner = Corner { hull_way, vertex };
+        contacts.extend(hull_way.ways().find_map(|way| corner.contact(way)));
     }
 }
 
 struct Corner<'a> {
-    motion: &'a MeshMotion<'a>,
-    hull: &'a Hull,
-    inside: DVec3,
+    hull_way: &'a HullWay<'a>,
     vertex: usize,
 }
 
 impl Corner<'_> {
     /// The first contact on a way of the body. On that of its free flight it must not end behind
     /// the face on that which what it touches leaves it.
-    fn contact(
-        &self,
-        instants: &[(f64, RigidTransform)],
-        is_supported: bool,
-    ) -> Option<MeshContact> {
-        let corner = self.motion.mesh.positions()[self.vertex];
-        for (part, pair) in instants.windows(2).enumerate() {
-            let [(begin, from), (end, to)] = [pair[0], pair[1]];
-            let way = [from.inverse().point(corner), to.inverse().point(corner)];
-            let is_held = is_supported && self.motion.is_borne;
+    fn contact(&self, way: &Way) -> Option<MeshContact> {
+        let motion = self.hull_way.motion;
+        let corner = motion.mesh.positions()[self.vertex];
+        for (part, pair) in way.instants.windows(2).enumerate() {
+            let [from, to] = [&pair[0], &pair[1]];
+            let points = [from.body_from_mesh.point(corner), to.body_from_mesh.point(corner)];
+            let is_held = way.is_supported && motion.is_borne;
             let without_sag = |at: f64| match is_held {
                 true => DVec3::ZERO,
-                false => self.motion.without_sag(([begin, end], at), &from),
+                false => motion.without_sag(([from.time, to.time], at), &from.mesh_from_body),
             };
-            let met = self.meeting(way, part == 0, &from, &without_sag);
+            let met = self.meeting(points, part == 0, from, &without_sag);
             let Some((face, sweep)) = met else { continue };
             let plane = face.plane;
-            let last = self.motion.supported.last().map(|(_, last)| last.inverse().point(corner));
-            let ends_behind = last.is_some_and(|last| plane.distance(last) < -self.motion.thin);
+            let last = self.hull_way.supported_end().map(|last| last.body_from_mesh.point(corner));
+            let ends_behind = last.is_some_and(|last| plane.distance(last) < -motion.thin);
             let overlaps = sweep.touches && part == 0 && sweep.at == 0.0;
-            if !overlaps && ends_behind && !(sweep.touches && is_supported) {
+            if !overlaps && ends_behind && !(sweep.touches && way.is_supported) {
                 continue;
             }
-            let time = begin + sweep.at * (end - begin);
-            let at = way[0].lerp(way[1], sweep.at);
+            let time = from.time + sweep.at * (to.time - from.time);
+            let at = points[0].lerp(points[1], sweep.at);
             let turned = if sweep.at < 0.5 { from } else { to };
             return Some(MeshContact {
                 on_body: at - plane.distance(at) * plane.normal,
                 rounding: 0.0,
                 on_mesh: corner,
-                normal: -turned.direction(plane.normal),
+                normal: -(turned.rotation * plane.normal),
                 time,
                 feature: feature_of(Meets::FaceOnCorner, self.vertex as u64),
             });
@@ -81,35 +72,36 @@ impl Corner<'_> {
         &self,
         way: [DVec3; 2],
         is_first: bool,
-        mesh_from_body: &RigidTransform,
+        instant: &Instant,
         without_sag: &dyn Fn(f64) -> DVec3,
     ) -> Option<(HullFace<'_>, Sweep)> {
-        let near = self.motion.pair_motion.near;
-        let is_inside =
-            self.hull.planes().iter().all(|plane| plane.distance(way[0]) <= self.motion.thin);
+        let HullWay { motion, hull, inside, .. } = *self.hull_way;
+        let near = motion.pair_motion.near;
+        let is_inside = hull.planes().iter().all(|plane| plane.distance(way[0]) <= motion.thin);
         let carried_way = way[1] + without_sag(1.0) - way[0];
         let closing = |face: &HullFace| -carried_way.dot(face.plane.normal);
         let mut best: Option<(HullFace, Sweep)> = None;
-        for face in self.hull.faces() {
-            let [start, end] = way.map(|point| face.plane.distance(point));
-            let is_towards = (way[0] - self.inside).dot(face.plane.normal) > 0.0;
+        for (number, plane) in hull.planes().iter().enumerate() {
+            let [start, end] = [plane.distance(way[0]), plane.distance(way[1])];
+            let is_towards = (way[0] - inside).dot(plane.normal) > 0.0;
             // Corners that come near at the frame's end are met in the next.
             if start > near && end > 0.0 || is_inside && !is_towards {
                 continue;
             }
             // A face is met from behind only by what overlaps the hull at the start.
-            let stays_behind = start.max(end) < -self.motion.thin;
+            let stays_behind = start.max(end) < -motion.thin;
             if stays_behind && !(is_inside && is_first) {
                 continue;
             }
+            let face = hull.face(number);
             let Some(sweep) = self.sweep(&face, way, is_inside && is_first) else { continue };
-            let outward = mesh_from_body.direction(face.plane.normal);
-            if !self.motion.mesh.is_peak(self.vertex, -outward, RISES) {
+            let outward = instant.rotation * plane.normal;
+            if !motion.mesh.is_peak(self.vertex, -outward, RISES) {
                 continue;
             }
             let met_at = way[0].lerp(way[1], sweep.at);
             let carried = met_at + without_sag(sweep.at);
-            let is_on_rim = |point: DVec3| self.is_on_rim(&face, point, mesh_from_body);
+            let is_on_rim = |point: DVec3| self.is_on_rim(number, point, instant);
             if !is_inside && (is_on_rim(met_at) || is_on_rim(carried)) {
                 continue;
             }
@@ -118,8 +110,8 @@ impl Corner<'_> {
             let is_better = |best: &(HullFace, Sweep)| match (sweep.touches, best.1.touches) {
                 (true, true) if is_inside => {
                     let slower = closing(&best.0) - closing(&face);
-                    let on_rims = sweep.least.min(best.1.least) >= -self.motion.rim;
-                    if on_rims && slower.abs() > self.motion.thin {
+                    let on_rims = sweep.least.min(best.1.least) >= -motion.rim;
+                    if on_rims && slower.abs() > motion.thin {
                         slower > 0.0
                     } else {
                         sweep.least > best.1.least
@@ -138,28 +130,30 @@ impl Corner<'_> {
 
     /// True if the corner meets a face on its rim and stands out towards the face beyond: resting,
     /// the body overlaps it there a little.
-    fn is_on_rim(&self, face: &HullFace, point: DVec3, mesh_from_body: &RigidTransform) -> bool {
-        self.hull.planes().iter().any(|plane| {
-            let is_near = *plane != face.plane && plane.distance(point) >= -self.motion.rim;
+    fn is_on_rim(&self, face: usize, point: DVec3, instant: &Instant) -> bool {
+        let HullWay { motion, hull, .. } = *self.hull_way;
+        hull.planes().iter().enumerate().any(|(other, plane)| {
+            let is_near = other != face && plane.distance(point) >= -motion.rim;
             is_near && {
-                let outward = mesh_from_body.direction(plane.normal);
-                self.motion.mesh.is_peak(self.vertex, -outward, RISES)
+                let outward = instant.rotation * plane.normal;
+                motion.mesh.is_peak(self.vertex, -outward, RISES)
             }
         })
     }
 
     /// Meeting with the inside of a face.
     fn sweep(&self, face: &HullFace, way: [DVec3; 2], overlaps: bool) -> Option<Sweep> {
-        let thin = self.motion.thin;
-        let [start, end] = way.map(|point| face.plane.distance(point));
+        let HullWay { motion: MeshMotion { thin, .. }, hull, .. } = *self.hull_way;
+        let [start, end] = [face.plane.distance(way[0]), face.plane.distance(way[1])];
         let gap = |at: f64| start + at * (end - start);
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
-        let corners = face.vertices.iter().map(|&vertex| self.hull.vertices()[vertex as usize]);
+        let corners = face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
         let next = corners.clone().cycle().skip(1);
         for (corner, next) in corners.zip(next) {
             let inward = face.plane.normal.cross(next - corner);
             let most = -thin * inward.length();
-            let [before, after] = way.map(|point| inward.dot(point - corner) - most);
+            let before = inward.dot(way[0] - corner) - most;
+            let after = inward.dot(way[1] - corner) - most;
             if before < 0.0 && after < 0.0 {
                 return None;
             }

@@ -1,5 +1,6 @@
 //! Motion of a body in the frame of a mesh.
 
+use crate::narrow_phase::mesh::nearby::Nearby;
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_bodies::{BallisticPath, Pair};
 use frangible_geometry::{Shape, StaticMesh};
@@ -44,6 +45,8 @@ pub(crate) struct MeshMotion<'a> {
     pub(crate) thin: f64,
     /// Width of the rims of faces [m].
     pub(crate) rim: f64,
+    /// Triangles near the body.
+    pub(crate) nearby: Nearby,
 }
 
 impl<'a> MeshMotion<'a> {
@@ -66,6 +69,7 @@ impl<'a> MeshMotion<'a> {
             starts: pair_motion.paths.map(|path| path.start.world_from_body()),
             thin: THIN * pair_motion.size,
             rim: RIM * pair_motion.size,
+            nearby: Nearby::default(),
         };
         if mesh_is_first {
             motion.starts.swap(0, 1);

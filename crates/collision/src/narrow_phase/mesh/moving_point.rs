@@ -5,16 +5,16 @@
 //! frame. What free flight would touch further on counts too, unless the actual way ends behind it:
 //! its plane, which has no borders, would push the body back.
 
+pub(crate) mod follow;
+
 use crate::narrow_phase::mesh::edge_sweep::{MeshEdge, nearest_to_corner, sweep_corner};
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of, side_of};
 use crate::narrow_phase::mesh::mesh_motion::{BEYOND, MeshMotion};
+use crate::narrow_phase::mesh::nearby::NearTriangle;
 use crate::narrow_phase::mesh::triangle_sweep::{Facet, Sweep};
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_geometry::{EdgeKind, Sides};
 use glam::DVec3;
-
-/// Touches after which a point goes no further in a frame: two walls and a floor, and one more.
-const MOST_TOUCHES: usize = 4;
 
 /// Sine of the angle by which a face of a polyhedron may dip under the plane that a corner of it
 /// slides onto [1]: ramps that begin less steeply are met with the corner.
@@ -126,9 +126,10 @@ impl MovingPoint<'_> {
     fn entry(&self, point: DVec3) -> DVec3 {
         let Some(inside) = self.inside else { return point };
         let way = [self.motion.start().point(inside), point];
-        let (mesh, thin) = (self.motion.mesh, self.motion.thin);
+        let MeshMotion { mesh, thin, nearby, .. } = self.motion;
+        let thin = *thin;
         let mut first = 1.0;
-        mesh.visit_way(way, thin, |triangle| {
+        nearby.visit_way(mesh, way, thin, |triangle| {
             let facet = self.facet(triangle, way[0]);
             first = facet.crossing(way, thin).map_or(first, |at| at.min(first));
         });
@@ -136,16 +137,15 @@ impl MovingPoint<'_> {
     }
 
     /// A triangle with the side that a point in front of it sees.
-    fn facet(&self, triangle: usize, seen_from: DVec3) -> Facet {
-        let mesh = self.motion.mesh;
-        let (corners, normal) = (mesh.corners(triangle), mesh.normal(triangle));
+    fn facet(&self, triangle: &NearTriangle, seen_from: DVec3) -> Facet {
+        let NearTriangle { corners, normal, .. } = *triangle;
         let is_seen = (seen_from - corners[0]).dot(normal) >= 0.0;
-        let flips = mesh.sides() == Sides::Two && !is_seen;
+        let flips = self.motion.mesh.sides() == Sides::Two && !is_seen;
         Facet { corners, normal: if flips { -normal } else { normal } }
     }
 
     /// The side of a triangle on which the point is; `None` behind a triangle that is solid there.
-    fn front(&self, triangle: usize, start: DVec3) -> Option<Facet> {
+    fn front(&self, triangle: &NearTriangle, start: DVec3) -> Option<Facet> {
         let MeshMotion { mesh, thin, rim, .. } = *self.motion;
         let facet = self.facet(triangle, start);
         // A corner of a resting body is a little behind the planes of triangles beside it.
@@ -176,13 +176,14 @@ impl MovingPoint<'_> {
     /// True for a point on the rim of a triangle, if its body lies on another triangle beyond the
     /// edge: resting, it overlaps that one a little. `carried` is where the point is without
     /// gravity: something else may carry it, like the next of two flush meshes.
-    fn grazes(&self, triangle: usize, facet: &Facet, [at, carried]: [DVec3; 2]) -> bool {
+    fn grazes(&self, triangle: &NearTriangle, facet: &Facet, [at, carried]: [DVec3; 2]) -> bool {
         let MeshMotion { mesh, rim, .. } = *self.motion;
+        let NearTriangle { index: triangle, normal: front, .. } = *triangle;
         if self.radius > 0.0 || self.corners.is_empty() || mesh.owns_nothing(triangle) {
             return false;
         }
         let vertices = mesh.triangles()[triangle];
-        let turn = facet.normal.dot(mesh.normal(triangle)).signum();
+        let turn = facet.normal.dot(front).signum();
         (0..3).any(|corner| {
             let (from, to) = (facet.corners[corner], facet.corners[(corner + 1) % 3]);
             let along = to - from;
@@ -209,7 +210,7 @@ impl MovingPoint<'_> {
     /// Appends what a leg meets. `start` is where the way began outside of the mesh; on the first
     /// leg the point may overlap the mesh already.
     fn meetings(&self, leg: &Leg, (start, is_first): (DVec3, bool), found: &mut Vec<Meeting>) {
-        let MeshMotion { mesh, thin, pair_motion, .. } = *self.motion;
+        let MeshMotion { mesh, thin, pair_motion, ref nearby, .. } = *self.motion;
         let margin = self.radius + self.beside() + thin;
         let [from, to] = leg.way;
         let low = from.min(to).min(start) - margin;
@@ -220,8 +221,9 @@ impl MovingPoint<'_> {
                 found.push(Meeting { sweep, time, on_mesh, normal, of_face });
             }
         };
-        mesh.visit_box(low, high, |triangle| {
-            if let Some(facet) = self.front(triangle, start) {
+        nearby.visit_box(mesh, (low, high), |near| {
+            let triangle = near.index;
+            if let Some(facet) = self.front(near, start) {
                 let slack = pair_motion.near + thin;
                 let is_over = || self.is_over(facet.normal);
                 let sweep = facet.sweep(leg.way, self.radius, (thin, slack), is_over);
@@ -235,7 +237,7 @@ impl MovingPoint<'_> {
                     } else {
                         DVec3::ZERO
                     };
-                    self.grazes(triangle, &facet, [foot, foot - sag])
+                    self.grazes(near, &facet, [foot, foot - sag])
                 };
                 if let Some((sweep, foot)) = met.filter(|met| !grazes(met)) {
                     meet(sweep, foot, facet.normal, true);
@@ -292,59 +294,6 @@ impl MovingPoint<'_> {
         (least > -grazing).then_some((foot, normal))
     }
 
-    /// Follows the way from the first touch in free flight, with what it touches in `found`. Gives
-    /// its end.
-    fn follow(&self, legs: &[Leg], flight: &[Meeting], found: &mut Vec<Meeting>) -> DVec3 {
-        let dt = self.motion.pair_motion.frame.dt;
-        let end = legs.last().map_or(DVec3::ZERO, |leg| leg.way[1]);
-        let Some(first) = earliest(flight) else { return end };
-        let on_way = |time: f64| {
-            let leg = legs.iter().find(|leg| time <= leg.times[1]).or(legs.last());
-            leg.map_or(end, |leg| {
-                let duration = (leg.times[1] - leg.times[0]).max(f64::MIN_POSITIVE);
-                leg.way[0].lerp(leg.way[1], ((time - leg.times[0]) / duration).clamp(0.0, 1.0))
-            })
-        };
-        let (mut at, mut next) = (on_way(first.time), first);
-        let mut rest = end - at;
-        for _ in 0..MOST_TOUCHES {
-            found.push(next);
-            // Overlap goes first.
-            let lifted = next.on_mesh + (self.radius + self.motion.thin) * next.normal;
-            at += (lifted - at).dot(next.normal).max(0.0) * next.normal;
-            rest = self.deflected(rest, found);
-            let leg = Leg { way: [at, at + rest], times: [next.time, dt], falls: false };
-            let mut ahead = Vec::new();
-            self.meetings(&leg, (at, false), &mut ahead);
-            ahead.retain(|meeting| {
-                let is_known = |known: &Meeting| known.normal.dot(meeting.normal) > SAME_NORMAL;
-                meeting.normal.dot(rest) < 0.0 && !found.iter().any(is_known)
-            });
-            let Some(later) = earliest(&ahead) else { break };
-            let duration = (dt - next.time).max(f64::MIN_POSITIVE);
-            let part = ((later.time - next.time) / duration).clamp(0.0, 1.0);
-            at += part * rest;
-            rest *= 1.0 - part;
-            next = later;
-        }
-        at + rest
-    }
-
-    /// The rest of the way after the last of some touches.
-    fn deflected(&self, rest: DVec3, touches: &[Meeting]) -> DVec3 {
-        let Some((last, before)) = touches.split_last() else { return rest };
-        let into = rest.dot(last.normal).min(0.0);
-        let along = rest - (1.0 + self.bounce) * into * last.normal;
-        let Some(other) = before.iter().find(|known| known.normal.dot(along) < 0.0) else {
-            return along;
-        };
-        // In a groove only its direction is left, in a corner none.
-        let crease = last.normal.cross(other.normal).normalize_or_zero();
-        let in_groove = rest.dot(crease) * crease;
-        let is_free = before.iter().all(|known| known.normal.dot(in_groove) >= -self.motion.thin);
-        if is_free { in_groove } else { DVec3::ZERO }
-    }
-
     /// Appends one contact for each normal: that with the smallest gap at the frame's start.
     fn keep(&self, found: &[Meeting], contacts: &mut Vec<MeshContact>) {
         let first = contacts.len();
@@ -370,13 +319,4 @@ impl MovingPoint<'_> {
             }
         }
     }
-}
-
-/// The touch that comes first; of those at once, the deepest.
-fn earliest(meetings: &[Meeting]) -> Option<Meeting> {
-    let touches = meetings.iter().filter(|meeting| meeting.sweep.touches);
-    let order = |a: &&Meeting, b: &&Meeting| {
-        a.time.total_cmp(&b.time).then(a.sweep.least.total_cmp(&b.sweep.least))
-    };
-    touches.min_by(order).copied()
 }

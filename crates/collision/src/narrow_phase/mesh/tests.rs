@@ -5,7 +5,9 @@ use crate::penetration::find_penetrations;
 use frangible_bodies::{
     Bodies, Frame, Motion, NewBody, Pair, Pose, StepSettings, SurfaceProperties, Velocity,
 };
-use frangible_geometry::{ClosedForm, Hull, Shape, Sides, StaticMesh, TriMesh, heightfield_mesh};
+use frangible_geometry::{
+    ClosedForm, Hull, Shape, Sides, StaticMesh, TriMesh, closed_form_surface, heightfield_mesh,
+};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -194,6 +196,38 @@ fn fast_bodies_do_not_pass_thin_sheets() {
             assert!(found.iter().all(|point| (point.approach / speed - 1.0).abs() < 0.02));
         }
     }
+}
+
+/// Points of a bouncing ball in a room of 2 m that is one mesh.
+fn points_in_a_room(position: DVec3, velocity: DVec3) -> Vec<ManifoldPoint> {
+    let mut room = closed_form_surface(&ClosedForm::Box { half: DVec3::ONE });
+    room.flip();
+    let pose = Pose { position, orientation: DQuat::IDENTITY };
+    let mut world = bodies(&room, Sides::One, ball(0.06), pose, velocity);
+    world.surfaces.iter_mut().for_each(|surface| surface.restitution = 1.0);
+    points(&world)
+}
+
+fn walls(points: &[ManifoldPoint]) -> BTreeSet<[i64; 3]> {
+    let whole = |part: f64| part.round() as i64;
+    points.iter().map(|point| point.normal.to_array().map(whole)).collect()
+}
+
+/// A ball that crosses a room several times in a frame has points with all walls that it meets.
+/// Those that left it did not know the third.
+#[test]
+fn what_bounces_to_and_fro_meets_all_walls() {
+    let found = points_in_a_room(DVec3::new(0.1, 0.2, 0.3), DVec3::new(-120.0, 3.0, 150.0));
+    let sides = [[-1, 0, 0], [1, 0, 0], [0, 0, -1], [0, 0, 1]];
+    assert!(sides.iter().all(|side| walls(&found).contains(side)), "{found:#?}");
+}
+
+/// A ball that lies deep in the floor and a wall bounces off the floor, and meets the ceiling.
+#[test]
+fn what_is_deep_in_two_walls_meets_the_third() {
+    let found = points_in_a_room(DVec3::new(0.1, -0.98, -0.99), DVec3::new(10.0, -90.0, 0.0));
+    let sides = [[0, -1, 0], [0, 1, 0], [0, 0, -1]];
+    assert!(sides.iter().all(|side| walls(&found).contains(side)), "{found:#?}");
 }
 
 /// Depths of overlaps are those of closed forms.

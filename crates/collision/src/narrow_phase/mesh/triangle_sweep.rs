@@ -37,7 +37,8 @@ impl Facet {
             let corner = self.corners[at];
             let inward = turn * self.normal.cross(self.corners[(at + 1) % 3] - corner);
             let most = -beyond * inward.length();
-            let [start, end] = [from, to].map(|point| inward.dot(point - corner) - most);
+            let start = inward.dot(from - corner) - most;
+            let end = inward.dot(to - corner) - most;
             if start < 0.0 && end < 0.0 {
                 return None;
             }
@@ -62,7 +63,7 @@ impl Facet {
         (beyond, slack): (f64, f64),
         is_over: impl FnOnce() -> bool,
     ) -> Option<Sweep> {
-        let [start, end] = way.map(|point| self.height(point) - radius);
+        let [start, end] = [self.height(way[0]) - radius, self.height(way[1]) - radius];
         let [first, last] = self.foot_within(way, beyond)?;
         let gap = |at: f64| start + at * (end - start);
         let [on_entry, on_exit] = [gap(first), gap(last)];
@@ -84,7 +85,7 @@ impl Facet {
 
     /// Where a straight way goes through the triangle from its front, as a fraction of the way.
     pub(crate) fn crossing(&self, way: [DVec3; 2], beyond: f64) -> Option<f64> {
-        let [start, end] = way.map(|point| self.height(point));
+        let [start, end] = [self.height(way[0]), self.height(way[1])];
         if start <= 0.0 || end > 0.0 {
             return None;
         }
