@@ -31,9 +31,11 @@ enum Core {
     Discs { centers: [DVec3; 2], radii: [f64; 2], axis: DVec3, across: [DVec3; 2] },
 }
 
-/// Directions whose crosses are normals, and normals.
+/// Corners and points of rims [m], directions whose crosses are normals, and normals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Features {
+    /// Only of those around a direction.
+    pub(crate) points: Vec<DVec3>,
     pub(crate) edges: Vec<DVec3>,
     pub(crate) normals: Vec<DVec3>,
 }
@@ -139,6 +141,11 @@ impl Convex {
         }
     }
 
+    /// Radius around its middle [m].
+    pub(crate) fn radius(&self) -> f64 {
+        self.reach_from(self.middle()) + self.rounding
+    }
+
     /// A point inside [m].
     pub(crate) fn middle(&self) -> DVec3 {
         match &self.core {
@@ -157,8 +164,11 @@ impl Convex {
             Core::Points { points, edges, faces } => {
                 let along = |&[a, b]: &[usize; 2]| points[b] - points[a];
                 let Some(Around { towards, step }) = around else {
-                    let mut features = Features { edges: Vec::new(), normals: faces.clone() };
+                    let mut features = Features { normals: faces.clone(), ..Features::default() };
                     edges.iter().for_each(|edge| push_new(&mut features.edges, along(edge)));
+                    if faces.is_empty() {
+                        features.normals.extend(beside(&features.edges));
+                    }
                     return features;
                 };
                 let top = self.support(towards).dot(towards);
@@ -166,7 +176,9 @@ impl Convex {
                     let below = top - points[at].dot(towards);
                     below <= 4.0 * step * self.reach_from(points[at])
                 };
-                let mut features = Features::default();
+                let near = points.iter().enumerate().filter(|(at, _)| is_near(at));
+                let mut features =
+                    Features { points: near.map(|near| *near.1).collect(), ..Features::default() };
                 for edge in edges.iter().filter(|edge| edge.iter().all(is_near)) {
                     push_new(&mut features.edges, along(edge));
                 }
@@ -193,6 +205,10 @@ impl Convex {
                     let radial = cos * across[0] + sin * across[1];
                     let tangent = cos * across[1] - sin * across[0];
                     let line = way + (radii[1] - radii[0]) * radial;
+                    if around.is_some() {
+                        let ends = [0, 1].map(|end| centers[end] + radii[end] * radial);
+                        features.points.extend(ends);
+                    }
                     features.normals.push(
                         tangent.cross(line).normalize() * tangent.cross(line).dot(radial).signum(),
                     );
@@ -207,6 +223,16 @@ impl Convex {
             }
         }
     }
+}
+
+/// Normals of a segment, whose faces are none: all across it separate it from itself equally, and
+/// two segments on one line overlap along it by what they have in common.
+fn beside(edges: &[DVec3]) -> Vec<DVec3> {
+    let of = |&edge: &DVec3| {
+        let across = edge.any_orthonormal_vector();
+        [across, -across, edge, -edge]
+    };
+    edges.iter().flat_map(of).collect()
 }
 
 /// Parallel edges are one.

@@ -55,12 +55,12 @@ pub(crate) fn least_overlap(first: &Convex, second: &Convex) -> (f64, DVec3) {
     best
 }
 
-fn better(a: (f64, DVec3), b: (f64, DVec3)) -> (f64, DVec3) {
+pub(crate) fn better(a: (f64, DVec3), b: (f64, DVec3)) -> (f64, DVec3) {
     if b.0 > a.0 { b } else { a }
 }
 
 /// Normals from the second to the first: of faces of either, and across an edge of each.
-fn each_normal(features: &[Features; 2], mut visit: impl FnMut(DVec3)) {
+pub(crate) fn each_normal(features: &[Features; 2], mut visit: impl FnMut(DVec3)) {
     features[0].normals.iter().for_each(|&normal| visit(-normal));
     features[1].normals.iter().for_each(|&normal| visit(normal));
     for &a in &features[0].edges {

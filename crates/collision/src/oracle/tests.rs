@@ -194,13 +194,65 @@ fn a_million_pairs() {
     let (count, seconds) = (of("ORACLE_PAIRS", 1_000_000), of("ORACLE_SECONDS", u64::MAX));
     // Other pairs than the test that always runs.
     let first = of("ORACLE_FIRST", 1_000_000);
-    for kinds in all_kinds() {
+    let only = std::env::var("ORACLE_ONLY").unwrap_or_default();
+    for kinds in all_kinds().filter(|kinds| format!("{kinds:?}").contains(&only)) {
         let (mut worst, start, mut done) = (Worst::default(), Instant::now(), 0);
         while done < count && start.elapsed() < Duration::from_secs(seconds) {
+            let before = worst.counts;
             compare(kinds, first + done, &mut worst);
+            if std::env::var("ORACLE_LIST").is_ok() && before != worst.counts {
+                let which: Vec<&str> = (0..7)
+                    .filter(|&at| before[at] != worst.counts[at])
+                    .map(|at| NAMES[at])
+                    .collect();
+                println!("FAIL {kinds:?} {} {which:?}", first + done);
+            }
             done += 1;
         }
         let time = 1e6 * start.elapsed().as_secs_f64() / done as f64;
         println!("{kinds:?}: {done} pairs, {time:.0} us each: {}", worst.report());
+    }
+}
+
+#[test]
+#[ignore = "dev"]
+fn one() {
+    let text = std::env::var("ORACLE_ONE").unwrap();
+    for item in text.split(';') {
+        let (kind, seed) = item.rsplit_once('#').unwrap();
+        let seed: u64 = seed.parse().unwrap();
+        for kinds in all_kinds().filter(|kinds| format!("{kinds:?}").contains(kind)) {
+            let mut worst = Worst::default();
+            let drawn = Draw::new(seed).pair(kinds);
+            let (gap, normal) = drawn.truth();
+            let size = drawn.size;
+            println!(
+                "{kinds:?} #{seed} size {size:e} radii {:e} {:e} truth {:e} {normal:?}",
+                drawn.shapes[0].radius(),
+                drawn.shapes[1].radius(),
+                gap / size
+            );
+            let shapes = [ConvexShape::of(&drawn.shapes[0]), ConvexShape::of(&drawn.shapes[1])];
+            if drawn.parts.iter().all(|parts| parts.len() <= 1) {
+                let (found, found_normal) =
+                    pair_separation(shapes, &drawn.second_from_first, size).unwrap();
+                println!(
+                    "  found {:e} along {:e} {found_normal:?}",
+                    found / size,
+                    drawn.along(found_normal) / size
+                );
+            }
+            if let Some(met) = deepest(&drawn) {
+                println!(
+                    "  met {:e} {:?} anchors {:?} {:?}",
+                    met.gap / size,
+                    met.normal,
+                    met.anchor_first / size,
+                    met.anchor_second / size
+                );
+            }
+            compare(kinds, seed, &mut worst);
+            println!("  {}", worst.report());
+        }
     }
 }

@@ -70,7 +70,7 @@ pub(crate) fn closest(
         if distance - least <= precise * size || least > most || simplex.contains(&next) {
             break;
         }
-        let better = simplex.with(next)?;
+        let better = simplex.with(next, is_proved)?;
         let nearest = better.nearest();
         // Rounding ends the progress.
         if nearest.length_squared() >= way.length_squared() {
