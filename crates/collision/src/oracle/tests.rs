@@ -232,6 +232,27 @@ fn one() {
                 drawn.shapes[1].radius(),
                 gap / size
             );
+            for shape in &drawn.shapes {
+                let Some(hull) = &shape.hull else { continue };
+                let radius = shape.radius();
+                let (mut out, mut off) = (f64::NEG_INFINITY, 0.0_f64);
+                for face in hull.faces() {
+                    for &v in hull.vertices() {
+                        out = out.max(face.plane.distance(v));
+                    }
+                    for &v in face.vertices {
+                        off = off.max(face.plane.distance(hull.vertices()[v as usize]).abs());
+                    }
+                }
+                println!(
+                    "  hull of {} vertices {} faces: out {:e} off {:e} of size; of own {:e}",
+                    hull.vertices().len(),
+                    hull.planes().len(),
+                    out / size,
+                    off / size,
+                    out.max(off) / radius
+                );
+            }
             let shapes = [ConvexShape::of(&drawn.shapes[0]), ConvexShape::of(&drawn.shapes[1])];
             if drawn.parts.iter().all(|parts| parts.len() <= 1) {
                 let (found, found_normal) =
