@@ -1,6 +1,7 @@
 //! Closest points of two separated cores, by support points: the method of Gilbert, Johnson and
 //! Keerthi [GJK88].
 
+use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::simplex::{Difference, Simplex};
@@ -49,7 +50,23 @@ pub(crate) fn closest_points(
     closest(&support, limits, guess)
 }
 
-/// The same of any two bodies, by their points furthest against a normal from the second to the
+/// The closest points of overlapping cores once they are moved apart along a normal, moved back: the
+/// corner or edge that is deepest, wherever edges nearly as high lead away from it. Lengths are the
+/// same within `close` [m].
+pub(crate) fn deepest_points(
+    round: &PlacedRevolved,
+    partner: &Partner,
+    (normal, close): (DVec3, f64),
+) -> Option<[DVec3; 2]> {
+    let depth = round.reach(-normal) + partner.reach(normal);
+    let shift = (depth + close) * normal;
+    let moved = PlacedRevolved { middle: round.middle + shift, ..*round };
+    let limits = (close / PREFERENCE, PRECISE, f64::INFINITY);
+    let Closest { on, .. } = closest_points(&moved, partner, limits, normal)?;
+    Some([on[0] - shift, on[1]])
+}
+
+/// The closest points of any two bodies, by their points furthest against a normal from the second to the
 /// first, and along it.
 pub(crate) fn closest(
     support: &impl Fn(DVec3) -> Difference,

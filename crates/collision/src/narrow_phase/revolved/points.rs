@@ -1,8 +1,7 @@
 //! Contact points of a body of revolution and its partner at an instant.
 
-use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::revolved::areas::{AreaPoint, OF_PARTNER, disc_on_area, line_on_area};
-use crate::narrow_phase::revolved::closest::{Closest, PRECISE, closest_points};
+use crate::narrow_phase::revolved::closest::deepest_points;
 use crate::narrow_phase::revolved::features::{
     Area, Facing, is_aligned, nearest_face, touching_edge,
 };
@@ -288,7 +287,8 @@ impl<'a> Instant<'a> {
             let rounding = round.rounding + self.partner.rounding();
             let gap = (on[0] - on[1]).dot(normal) - rounding;
             let misses = gap > self.separation.gap + 2.0 * self.close;
-            if misses { self.moved_apart().unwrap_or(on) } else { on }
+            let found = misses.then(|| deepest_points(round, self.partner, (normal, self.close)));
+            found.flatten().unwrap_or(on)
         });
         let theirs = match self.partner {
             Partner::Revolved(other) => {
@@ -300,18 +300,6 @@ impl<'a> Instant<'a> {
         let anchor = hold_single(round, mine, point, -normal, self.angular[0]);
         let id = if let Facing::Rim(end) = mine { 4 * end as u64 } else { SINGLE };
         RoundPoint::new([anchor, theirs], normal, id)
-    }
-
-    /// The closest points of overlapping cores once they are moved apart along the normal: the corner
-    /// or edge that is deepest, wherever edges nearly as high lead away from it.
-    fn moved_apart(&self) -> Option<[DVec3; 2]> {
-        let (round, normal) = (self.round, self.separation.normal);
-        let depth = round.reach(-normal) + self.partner.reach(normal);
-        let shift = (depth + self.close) * normal;
-        let moved = PlacedRevolved { middle: round.middle + shift, ..*round };
-        let limits = (self.close / PREFERENCE, PRECISE, f64::INFINITY);
-        let Closest { on, .. } = closest_points(&moved, self.partner, limits, normal)?;
-        Some([on[0] - shift, on[1]])
     }
 
     /// Where the edges or sides with the normal meet.
