@@ -75,7 +75,9 @@ pub(crate) fn closest(
 ) -> Option<Closest> {
     let mut simplex = Simplex::new(support(guess));
     let mut way = simplex.nearest();
-    let mut is_proved = false;
+    // The way that proves the largest distance.
+    let mut best = (f64::NEG_INFINITY, simplex, way);
+    let mut is_longest = false;
     for _ in 0..MOST_STEPS {
         let distance = way.length();
         if distance <= TOUCHING * size {
@@ -83,18 +85,25 @@ pub(crate) fn closest(
         }
         let next = support(way);
         let least = next.between.dot(way) / distance;
-        is_proved |= least > 0.0;
+        if least <= best.0 && is_longest {
+            break;
+        }
+        if least > best.0 {
+            best = (least, simplex, way);
+        }
         if distance - least <= precise * size || least > most || simplex.contains(&next) {
+            best = (least, simplex, way);
             break;
         }
-        let better = simplex.with(next, is_proved)?;
+        let better = simplex.with(next, best.0 > 0.0)?;
         let nearest = better.nearest();
-        // Rounding ends the progress.
-        if nearest.length_squared() >= way.length_squared() {
-            break;
-        }
+        // Rounding ends the progress of the distance first: a turn of the way changes it by the
+        // square, and by its first power what the bodies' far ends leave of it.
+        is_longest = nearest.length_squared() >= way.length_squared();
         (simplex, way) = (better, nearest);
     }
+    let (least, simplex, way) = best;
+    let is_proved = least > 0.0;
     let distance = way.length();
     let touching = if is_proved { TOUCHING } else { NEARLY };
     if distance <= touching * size {

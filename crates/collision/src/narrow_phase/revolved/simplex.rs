@@ -36,7 +36,7 @@ impl Simplex {
                 let lengths = sides.map(DVec3::length_squared);
                 let longest = usize::from(lengths[1] > lengths[0]);
                 let longest = if lengths[2] > lengths[longest] { 2 } else { longest };
-                let other = without(sides[(longest + 1) % 3], sides[longest]);
+                let other = across(sides[(longest + 1) % 3], sides[longest]);
                 without(without(rough, other), sides[longest])
             }
             _ => rough,
@@ -80,10 +80,20 @@ impl Simplex {
     }
 }
 
-/// A vector without its part along another one.
-fn without(vector: DVec3, along: DVec3) -> DVec3 {
-    let length_squared = along.length_squared();
-    if length_squared > 0.0 { vector - vector.dot(along) / length_squared * along } else { vector }
+/// A vector without its part along a side; of shorter sides rounding leaves a larger part of the
+/// direction than of the vector.
+fn without(vector: DVec3, side: DVec3) -> DVec3 {
+    let length_squared = side.length_squared();
+    if length_squared > vector.length_squared() {
+        vector - vector.dot(side) / length_squared * side
+    } else {
+        vector
+    }
+}
+
+/// The part of a side across another one.
+fn across(side: DVec3, other: DVec3) -> DVec3 {
+    side - side.dot(other) / other.length_squared() * other
 }
 
 /// The nearest point of some corners: weights of all, and its squared distance.
