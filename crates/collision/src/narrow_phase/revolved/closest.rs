@@ -10,6 +10,10 @@ use glam::DVec3;
 /// Steps of the search [1]. Round bodies take 5 to 20, flat ones fewer.
 const MOST_STEPS: usize = 64;
 
+/// Steps that may prove no larger distance once rounding hides that it shrinks: on rims a thousand
+/// times as large as the other body the proof comes and goes.
+const MOST_TRIES: usize = 6;
+
 /// The distance is known to this part of the smaller body's size: for contacts, whose normal is
 /// then known to its root where it is unique, and for times.
 pub(crate) const PRECISE: f64 = 1e-10;
@@ -77,7 +81,7 @@ pub(crate) fn closest(
     let mut way = simplex.nearest();
     // The way that proves the largest distance.
     let mut best = (f64::NEG_INFINITY, simplex, way);
-    let mut is_longest = false;
+    let (mut is_longest, mut tries) = (false, MOST_TRIES);
     for _ in 0..MOST_STEPS {
         let distance = way.length();
         if distance <= TOUCHING * size {
@@ -86,7 +90,10 @@ pub(crate) fn closest(
         let next = support(way);
         let least = next.between.dot(way) / distance;
         if least <= best.0 && is_longest {
-            break;
+            tries -= 1;
+            if tries == 0 {
+                break;
+            }
         }
         if least > best.0 {
             best = (least, simplex, way);
