@@ -46,10 +46,11 @@ impl Hull {
         if points.len() < 4 {
             return Err(HullError::TooFew);
         }
-        let triangles = Quickhull::run(points)?;
         let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
         let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
         let close = COPLANAR * (high - low).max_element();
+        let points = &welded(points, close);
+        let triangles = Quickhull::run(points)?;
         // Should merging leave anything but a sphere's topology, the triangles are the hull.
         Self::with_merged_faces(points, &triangles, close)
             .or_else(|| {
@@ -77,6 +78,23 @@ impl Hull {
             alone.iter_mut().zip(&face_of).for_each(|(alone, &face)| *alone |= is_new(face));
         }
     }
+}
+
+/// Points without those less than `close` [m] from an earlier one: two corners that rounding has made
+/// of one have an edge, and faces beside it, in any direction.
+fn welded(points: &[DVec3], close: f64) -> Vec<DVec3> {
+    let mut along_x: Vec<usize> = (0..points.len()).collect();
+    along_x.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x).then(a.cmp(&b)));
+    let mut is_kept = vec![true; points.len()];
+    for (at, &point) in along_x.iter().enumerate() {
+        let is_near = |other: &&usize| points[**other].x - points[point].x < close;
+        for &other in along_x[at + 1..].iter().take_while(is_near) {
+            if is_kept[point] && is_kept[other] && points[point].distance(points[other]) < close {
+                is_kept[point.max(other)] = false;
+            }
+        }
+    }
+    points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(&point, _)| point).collect()
 }
 
 /// Triangles of the growing hull.
