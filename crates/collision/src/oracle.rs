@@ -14,8 +14,10 @@ pub(crate) mod body;
 pub(crate) mod depth;
 pub(crate) mod distance;
 pub(crate) mod draw;
+pub(crate) mod refine;
 
 use body::Convex;
+use distance::Distance;
 use glam::DVec3;
 
 /// Answer of the oracle about two convex bodies.
@@ -29,10 +31,21 @@ pub(crate) struct Truth {
     pub(crate) of_cores: f64,
 }
 
+/// Overlaps below this part of the smaller body's reach may be none: of bodies ten thousand times as
+/// large rounding leaves the search for nearest points that much.
+const NEARLY: f64 = 1e-3;
+
 /// Separation of the first from the second.
 pub(crate) fn truth(first: &Convex, second: &Convex) -> Truth {
-    let (of_cores, normal) =
-        distance::distance(first, second).unwrap_or_else(|| depth::least_overlap(first, second));
+    let (of_cores, normal) = match distance::distance(first, second) {
+        Some(Distance { least, normal, is_proved: true }) => (least, normal),
+        Some(Distance { least, normal, .. }) => refine::refine(first, second, (least, normal)),
+        None => {
+            let found = depth::least_overlap(first, second);
+            let size = first.radius().min(second.radius());
+            if found.0 < -NEARLY * size { found } else { refine::refine(first, second, found) }
+        }
+    };
     Truth { gap: of_cores - first.rounding - second.rounding, normal, of_cores }
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod columns;
 pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod face_loops;
+pub(crate) mod flatten;
 pub(crate) mod half_edges;
 pub(crate) mod plane_clip;
 pub(crate) mod quickhull;

@@ -1,12 +1,8 @@
 //! Convex bodies by their definition.
 
-use frangible_geometry::{ClosedForm, Hull};
+use frangible_geometry::{ClosedForm, Hull, HullEdge};
 use frangible_math::RigidTransform;
 use glam::DVec3;
-use std::f64::consts::TAU;
-
-/// Directions of a rim that are tried first.
-const AROUND: usize = 24;
 
 /// Steps to either side of a normal's place on a rim that are tried around it.
 const BESIDE: i32 = 3;
@@ -26,16 +22,34 @@ enum Core {
         edges: Vec<[usize; 2]>,
         /// Outward, unit.
         faces: Vec<DVec3>,
+        /// Of the faces on both sides of each edge; none for a segment.
+        beside: Vec<[DVec3; 2]>,
     },
     /// The hull of two discs.
     Discs { centers: [DVec3; 2], radii: [f64; 2], axis: DVec3, across: [DVec3; 2] },
 }
 
-/// Directions whose crosses are normals, and normals.
+/// Corners and points of rims [m], directions whose crosses are normals, and normals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Features {
+    /// Only of those around a direction.
+    pub(crate) points: Vec<DVec3>,
     pub(crate) edges: Vec<DVec3>,
     pub(crate) normals: Vec<DVec3>,
+}
+
+/// An edge and the arc of its outward normals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arc {
+    /// [m]
+    pub(crate) point: DVec3,
+    /// Unit.
+    pub(crate) along: DVec3,
+    /// The arc turns about the edge from the first to the second: the first face has the edge in its
+    /// own direction.
+    pub(crate) normals: [DVec3; 2],
+    /// All around a segment.
+    pub(crate) is_full: bool,
 }
 
 /// Where to look for features: around an outward unit direction, in steps of an angle [rad].
@@ -49,9 +63,11 @@ impl Convex {
     pub(crate) fn of_hull(hull: &Hull, here_from_hull: &RigidTransform) -> Self {
         let points = hull.vertices().iter().map(|&vertex| here_from_hull.point(vertex)).collect();
         let edges = hull.edges().iter().map(|edge| edge.vertices.map(|v| v as usize)).collect();
-        let faces =
+        let faces: Vec<DVec3> =
             hull.planes().iter().map(|plane| here_from_hull.direction(plane.normal)).collect();
-        Self { core: Core::Points { points, edges, faces }, rounding: 0.0 }
+        let normals = |edge: &HullEdge| edge.faces.map(|face| faces[face as usize]);
+        let beside = hull.edges().iter().map(normals).collect();
+        Self { core: Core::Points { points, edges, faces, beside }, rounding: 0.0 }
     }
 
     pub(crate) fn of_triangle(corners: [DVec3; 3]) -> Self {
@@ -61,6 +77,7 @@ impl Convex {
             points: corners.to_vec(),
             edges: vec![[0, 1], [1, 2], [2, 0]],
             faces: vec![normal, -normal],
+            beside: vec![[normal, -normal]; 3],
         };
         Self { core, rounding: 0.0 }
     }
@@ -78,6 +95,7 @@ impl Convex {
             points,
             edges,
             faces: Vec::new(),
+            beside: Vec::new(),
         };
         let (core, rounding) = match *form {
             ClosedForm::HalfSpace(_) => return None,
@@ -139,6 +157,11 @@ impl Convex {
         }
     }
 
+    /// Radius around its middle [m].
+    pub(crate) fn radius(&self) -> f64 {
+        self.reach_from(self.middle()) + self.rounding
+    }
+
     /// A point inside [m].
     pub(crate) fn middle(&self) -> DVec3 {
         match &self.core {
@@ -154,11 +177,14 @@ impl Convex {
     /// Features everywhere, or around a direction.
     pub(crate) fn features(&self, around: Option<Around>) -> Features {
         match &self.core {
-            Core::Points { points, edges, faces } => {
+            Core::Points { points, edges, faces, .. } => {
                 let along = |&[a, b]: &[usize; 2]| points[b] - points[a];
                 let Some(Around { towards, step }) = around else {
-                    let mut features = Features { edges: Vec::new(), normals: faces.clone() };
+                    let mut features = Features { normals: faces.clone(), ..Features::default() };
                     edges.iter().for_each(|edge| push_new(&mut features.edges, along(edge)));
+                    if faces.is_empty() {
+                        features.normals.extend(beside(&features.edges));
+                    }
                     return features;
                 };
                 let top = self.support(towards).dot(towards);
@@ -166,47 +192,80 @@ impl Convex {
                     let below = top - points[at].dot(towards);
                     below <= 4.0 * step * self.reach_from(points[at])
                 };
-                let mut features = Features::default();
+                let near = points.iter().enumerate().filter(|(at, _)| is_near(at));
+                let mut features =
+                    Features { points: near.map(|near| *near.1).collect(), ..Features::default() };
                 for edge in edges.iter().filter(|edge| edge.iter().all(is_near)) {
                     push_new(&mut features.edges, along(edge));
                 }
                 features
             }
             Core::Discs { centers, radii, axis, across } => {
-                let (from, step, count) = match around {
-                    None => (0.0, TAU / AROUND as f64, 0..AROUND as i32),
-                    Some(Around { towards, step }) => {
-                        let [u, v] = across.map(|across| across.dot(towards));
-                        (v.atan2(u), step, -BESIDE..BESIDE + 1)
-                    }
+                let Some(Around { towards, step }) = around else {
+                    return Features { normals: vec![*axis, -*axis], ..Features::default() };
                 };
                 let mut features = Features::default();
-                if around.is_none() {
-                    features.normals.extend([*axis, -*axis]);
-                }
                 let way = centers[1] - centers[0];
                 if radii[0] == radii[1] {
                     features.edges.push(way);
                 }
-                for number in count {
-                    let (sin, cos) = (from + step * f64::from(number)).sin_cos();
+                let [u, v] = across.map(|across| across.dot(towards));
+                for number in -BESIDE..=BESIDE {
+                    let angle = v.atan2(u) + step * f64::from(number);
+                    let (sin, cos) = angle.sin_cos();
                     let radial = cos * across[0] + sin * across[1];
-                    let tangent = cos * across[1] - sin * across[0];
-                    let line = way + (radii[1] - radii[0]) * radial;
-                    features.normals.push(
-                        tangent.cross(line).normalize() * tangent.cross(line).dot(radial).signum(),
-                    );
-                    if around.is_some() || number < AROUND as i32 / 2 {
-                        features.edges.push(tangent);
-                    }
+                    features.normals.push(self.side_normal(angle));
+                    features.edges.push(cos * across[1] - sin * across[0]);
                     if radii[0] != radii[1] {
-                        features.edges.push(line);
+                        features.edges.push(way + (radii[1] - radii[0]) * radial);
                     }
+                    let ends = [0, 1].map(|end| centers[end] + radii[end] * radial);
+                    features.points.extend(ends);
                 }
                 features
             }
         }
     }
+
+    /// Unit, outward, of the side of a round body at an angle about its axis [rad].
+    pub(crate) fn side_normal(&self, angle: f64) -> DVec3 {
+        let Core::Discs { centers, radii, across, .. } = &self.core else { return DVec3::Y };
+        let (sin, cos) = angle.sin_cos();
+        let radial = cos * across[0] + sin * across[1];
+        let tangent = cos * across[1] - sin * across[0];
+        let line = centers[1] - centers[0] + (radii[1] - radii[0]) * radial;
+        let normal = tangent.cross(line).normalize();
+        normal * normal.dot(radial).signum()
+    }
+
+    /// Unit, of a round body.
+    pub(crate) fn axis(&self) -> DVec3 {
+        if let Core::Discs { axis, .. } = &self.core { *axis } else { DVec3::Y }
+    }
+
+    /// All edges between corners.
+    pub(crate) fn arcs(&self) -> Vec<Arc> {
+        let Core::Points { points, edges, beside, .. } = &self.core else { return Vec::new() };
+        let arc = |(at, &[a, b]): (usize, &[usize; 2])| {
+            let along = (points[b] - points[a]).try_normalize()?;
+            let Some(&normals) = beside.get(at) else {
+                let normals = [along.any_orthonormal_vector(); 2];
+                return Some(Arc { point: points[a], along, normals, is_full: true });
+            };
+            Some(Arc { point: points[a], along, normals, is_full: false })
+        };
+        edges.iter().enumerate().filter_map(arc).collect()
+    }
+}
+
+/// Normals of a segment, whose faces are none: all across it separate it from itself equally, and
+/// two segments on one line overlap along it by what they have in common.
+fn beside(edges: &[DVec3]) -> Vec<DVec3> {
+    let of = |&edge: &DVec3| {
+        let across = edge.any_orthonormal_vector();
+        [across, -across, edge, -edge]
+    };
+    edges.iter().flat_map(of).collect()
 }
 
 /// Parallel edges are one.

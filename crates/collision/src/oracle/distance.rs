@@ -6,19 +6,29 @@ use glam::DVec3;
 
 const MOST_STEPS: usize = 400;
 
-/// The distance is proved to this part of the smaller reach.
+/// The distance is proved to this part of the smaller radius.
 const PRECISE: f64 = 1e-11;
 
-/// Distance [m] and the unit normal from the second to the first; `None` for cores that overlap, or
-/// touch within rounding.
-pub(crate) fn distance(first: &Convex, second: &Convex) -> Option<(f64, DVec3)> {
-    let size = first.reach_from(first.middle()).min(second.reach_from(second.middle()));
+/// A distance of two cores.
+pub(crate) struct Distance {
+    /// [m]
+    pub(crate) least: f64,
+    /// Unit, from the second to the first.
+    pub(crate) normal: DVec3,
+    /// No other normal separates further.
+    pub(crate) is_proved: bool,
+}
+
+/// Distance of two cores; `None` for cores that overlap, or touch within rounding.
+pub(crate) fn distance(first: &Convex, second: &Convex) -> Option<Distance> {
+    let size = first.radius().min(second.radius());
     let scale = first.middle().distance(second.middle()) + size;
     let precise = PRECISE * size + 1e-15 * scale;
     let support = |way: DVec3| first.support(-way) - second.support(way);
     let mut kept = vec![support(first.middle() - second.middle())];
     let mut way = kept[0];
     let mut best: Option<(f64, DVec3)> = None;
+    let mut is_proved = false;
     for _ in 0..MOST_STEPS {
         let length = way.length();
         if length <= precise {
@@ -31,6 +41,7 @@ pub(crate) fn distance(first: &Convex, second: &Convex) -> Option<(f64, DVec3)> 
             best = Some((least, normal));
         }
         if length - least <= precise {
+            is_proved = true;
             break;
         }
         kept.push(next);
@@ -43,7 +54,7 @@ pub(crate) fn distance(first: &Convex, second: &Convex) -> Option<(f64, DVec3)> 
         }
         (kept, way) = (of, nearest);
     }
-    best
+    best.map(|(least, normal)| Distance { least, normal, is_proved })
 }
 
 /// True if the last points, up to five, have the origin in one of their tetrahedra.

@@ -21,10 +21,12 @@ pub(crate) enum Kind {
     Cone,
     HalfSpace,
     Compound,
+    /// A hull that is nearly none.
+    Sliver,
 }
 
 /// All kinds.
-pub(crate) const KINDS: [Kind; 8] = [
+pub(crate) const KINDS: [Kind; 9] = [
     Kind::Ball,
     Kind::Box,
     Kind::Hull,
@@ -33,6 +35,7 @@ pub(crate) const KINDS: [Kind; 8] = [
     Kind::Cone,
     Kind::HalfSpace,
     Kind::Compound,
+    Kind::Sliver,
 ];
 
 /// A pair of shapes in the frame of the second.
@@ -142,6 +145,35 @@ impl Draw {
         }
     }
 
+    /// Plates, needles and wedges as thin as hulls can be, with corners that are nearly one, nearly on
+    /// the line of two others or nearly in the plane of a face.
+    fn sliver(&mut self, size: f64) -> Option<Hull> {
+        let thin = self.power(-4.6, -2.0);
+        let wide = if self.of(2) == 0 { self.power(-4.6, 0.0) } else { 1.0 };
+        let scale = size * DVec3::new(1.0, wide, thin);
+        let mut points: Vec<DVec3> = match self.of(3) {
+            0 => (0..self.of(10) + 4).map(|_| scale * self.direction()).collect(),
+            1 => Hull::cuboid(scale).vertices().to_vec(),
+            // A wedge: two edges across each other, one of them short.
+            _ => {
+                let short = self.power(-5.0, 0.0);
+                let ends = [DVec3::X, -DVec3::X, DVec3::new(0.0, short, 1.0)];
+                let last = DVec3::new(self.any(-1.0, 1.0) * short, -short, 1.0);
+                ends.into_iter().chain([last]).map(|point| scale * point).collect()
+            }
+        };
+        for _ in 0..self.of(6) {
+            let [a, b, c] = [0; 3].map(|_| points[self.of(points.len())]);
+            let on = match self.of(3) {
+                0 => a,
+                1 => a.lerp(b, self.any(0.0, 1.0)),
+                _ => a.lerp(b, self.any(0.0, 1.0)).lerp(c, self.any(0.0, 1.0)),
+            };
+            points.push(on + self.power(-17.0, -6.0) * size * self.direction());
+        }
+        Hull::of_points(&points).ok()
+    }
+
     fn shape(&mut self, kind: Kind, size: f64) -> Shape {
         let spacing = size;
         let [radius, length] = [size * self.extent(), size * self.extent()];
@@ -166,6 +198,13 @@ impl Draw {
             }
             Kind::Hull => loop {
                 if let Ok(shape) = Shape::convex(self.hull(size), spacing) {
+                    return shape;
+                }
+            },
+            Kind::Sliver => loop {
+                if let Some(shape) =
+                    self.sliver(size).and_then(|hull| Shape::convex(hull, spacing).ok())
+                {
                     return shape;
                 }
             },

@@ -3,6 +3,7 @@
 
 use super::Hull;
 use super::face_loops::FaceLoops;
+use super::flatten::{at_odds, flattened};
 use crate::half_space::HalfSpace;
 use crate::hull::edges::{plane_of, sides};
 use glam::DVec3;
@@ -45,53 +46,55 @@ impl Hull {
         if points.len() < 4 {
             return Err(HullError::TooFew);
         }
-        let triangles = Quickhull::run(points)?;
         let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
         let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
         let close = COPLANAR * (high - low).max_element();
+        let points = &welded(points, close);
+        let triangles = Quickhull::run(points)?;
         // Should merging leave anything but a sphere's topology, the triangles are the hull.
-        [close, 0.0]
-            .into_iter()
-            .find_map(|close| {
-                let (planes, loops) = merged(points, &triangles, close)?;
+        Self::with_merged_faces(points, &triangles, close)
+            .or_else(|| {
+                let Merged { planes, loops, .. } = merged(points, &triangles, 0.0, &[])?;
                 Self::from_loops(points, planes, loops)
             })
-            .map(Self::flattened)
             .ok_or(HullError::Flat)
     }
 
-    /// Moves vertices onto the planes of their faces, so that volumes do not depend on how a face
-    /// is cut into triangles.
-    fn flattened(mut self) -> Self {
-        // A direction that the planes before have nearly used up would carry the vertex far away.
-        const LEAST_FREEDOM: f64 = 0.01;
-        let mut freedom: Vec<Vec<DVec3>> = vec![Vec::new(); self.vertices.len()];
-        let Self { vertices, planes, net, .. } = &mut self;
-        for (face, plane) in
-            planes.iter().enumerate().filter(|(face, _)| net.corners(*face).len() > 3)
-        {
-            for &vertex in net.corners(face) {
-                // Direction along which the vertex stays on all its earlier planes.
-                let taken = &mut freedom[vertex as usize];
-                let normal = plane.normal;
-                let across =
-                    taken.iter().fold(normal, |across, &other| across - across.dot(other) * other);
-                if across.length() > LEAST_FREEDOM {
-                    let across = across.normalize();
-                    let position = &mut vertices[vertex as usize];
-                    *position -= across * (plane.distance(*position) / normal.dot(across));
-                    taken.push(across);
-                }
+    /// The hull of triangles, all within `close` [m] of a plane as one face, as far as its vertices
+    /// then lie on their faces' planes and inside of all others.
+    fn with_merged_faces(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Self> {
+        let mut alone = vec![false; triangles.len()];
+        loop {
+            let Merged { mut planes, loops, face_of } = merged(points, triangles, close, &alone)?;
+            let moved = flattened(points, &mut planes, &loops);
+            let at_odds = at_odds(&moved, &planes, &loops, close / COPLANAR);
+            let mut count = vec![0; planes.len()];
+            face_of.iter().for_each(|&face| count[face] += 1);
+            // Triangles that were faces of their own already stay.
+            let is_new = |face: usize| at_odds[face] && count[face] > 1;
+            if !(0..planes.len()).any(is_new) {
+                return Self::from_loops(&moved, planes, loops);
+            }
+            alone.iter_mut().zip(&face_of).for_each(|(alone, &face)| *alone |= is_new(face));
+        }
+    }
+}
+
+/// Points without those less than `close` [m] from an earlier one: two corners that rounding has made
+/// of one have an edge, and faces beside it, in any direction.
+fn welded(points: &[DVec3], close: f64) -> Vec<DVec3> {
+    let mut along_x: Vec<usize> = (0..points.len()).collect();
+    along_x.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x).then(a.cmp(&b)));
+    let mut is_kept = vec![true; points.len()];
+    for (at, &point) in along_x.iter().enumerate() {
+        let is_near = |other: &&usize| points[**other].x - points[point].x < close;
+        for &other in along_x[at + 1..].iter().take_while(is_near) {
+            if is_kept[point] && is_kept[other] && points[point].distance(points[other]) < close {
+                is_kept[point.max(other)] = false;
             }
         }
-        for (face, plane) in
-            planes.iter_mut().enumerate().filter(|(face, _)| net.corners(*face).len() == 3)
-        {
-            let corners = net.corners(face).iter().map(|&vertex| vertices[vertex as usize]);
-            *plane = plane_of(corners).unwrap_or(*plane);
-        }
-        self
     }
+    points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(&point, _)| point).collect()
 }
 
 /// Triangles of the growing hull.
@@ -233,13 +236,17 @@ fn first_tetrahedron(points: &[DVec3]) -> Result<[u32; 4], HullError> {
     Ok(if height(points[d as usize]) < 0.0 { [a, b, c, d] } else { [a, c, b, d] })
 }
 
+/// Faces of triangles.
+struct Merged {
+    planes: Vec<HalfSpace>,
+    loops: FaceLoops,
+    /// The face of each triangle.
+    face_of: Vec<usize>,
+}
+
 /// Merges triangles into faces, starting with the largest: all triangles within `close` [m] of its
-/// plane. `None` if a face has a hole.
-fn merged(
-    points: &[DVec3],
-    triangles: &[[u32; 3]],
-    close: f64,
-) -> Option<(Vec<HalfSpace>, FaceLoops)> {
+/// plane, but for those `alone`. `None` if a face has a hole.
+fn merged(points: &[DVec3], triangles: &[[u32; 3]], close: f64, alone: &[bool]) -> Option<Merged> {
     let mut triangle_along: BTreeMap<[u32; 2], usize> = BTreeMap::new();
     for (index, triangle) in triangles.iter().enumerate() {
         triangle_along.extend(sides(triangle).map(|side| (side, index)));
@@ -255,6 +262,7 @@ fn merged(
     });
 
     // Grow the faces.
+    let is_alone = |triangle: usize| alone.get(triangle).is_some_and(|&alone| alone);
     let mut face_of: Vec<Option<usize>> = vec![None; triangles.len()];
     let mut seeds = Vec::new();
     for seed in largest_first {
@@ -263,14 +271,15 @@ fn merged(
         }
         let normal = areas[seed].normalize_or_zero();
         let middle = points[triangles[seed][0] as usize];
-        let mut open = vec![seed];
+        let mut open = if is_alone(seed) { Vec::new() } else { vec![seed] };
         face_of[seed] = Some(seeds.len());
         while let Some(triangle) = open.pop() {
             for [a, b] in sides(&triangles[triangle]) {
                 let beside = *triangle_along.get(&[b, a])?;
                 let is_near =
                     |&corner: &u32| normal.dot(points[corner as usize] - middle).abs() <= close;
-                if face_of[beside].is_none() && triangles[beside].iter().all(is_near) {
+                let is_free = face_of[beside].is_none() && !is_alone(beside);
+                if is_free && triangles[beside].iter().all(is_near) {
                     face_of[beside] = Some(seeds.len());
                     open.push(beside);
                 }
@@ -303,5 +312,5 @@ fn merged(
         }
         loops.push(false, vertices);
     }
-    Some((planes, loops))
+    Some(Merged { planes, loops, face_of: face_of.into_iter().collect::<Option<_>>()? })
 }

@@ -106,9 +106,11 @@ pub(crate) fn furthest_edges<I: Instructions>(
     const NONE: Singles = Singles([0.0; LANES]);
     let origin = first.first()?.ends[0];
     columns.clear();
-    columns.resize(second.len().div_ceil(LANES), [[NONE; 3]; 4]);
+    columns.resize(second.len().div_ceil(LANES), [[NONE; 3]; 5]);
     for (at, ridge) in second.iter().enumerate() {
-        let lines = [ridge.ends[0] - origin, ridge.along, ridge.normals[0], ridge.normals[1]];
+        let [beside, other_beside] = ridge.normals;
+        let start = ridge.ends[0] - origin;
+        let lines = [start, ridge.along, beside, other_beside, ridge.outward()];
         for (columns, line) in columns[at / LANES].iter_mut().zip(lines) {
             for (column, number) in columns.iter_mut().zip(line.to_array()) {
                 column.0[at % LANES] = number as f32;
@@ -127,7 +129,7 @@ pub(crate) fn furthest_edges<I: Instructions>(
                     (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
                 let normals = [Single3::splat(ridge.normals[0]), Single3::splat(ridge.normals[1])];
                 let squared_length = along.dot(along);
-                for (block, [other_start, other_along, beside, other_beside]) in
+                for (block, [other_start, other_along, beside, other_beside, outward]) in
                     columns.iter().enumerate()
                 {
                     // Arcs of the Gauss map: the arc between the first edge's normals must cross
@@ -144,8 +146,7 @@ pub(crate) fn furthest_edges<I: Instructions>(
                     let across = along.cross(other_along);
                     let squared = across.dot(across);
                     let lengths = squared_length * other_along.dot(other_along);
-                    // The second hull's outward direction lies between the normals of its edge.
-                    let outward = across.dot(beside + other_beside);
+                    let outward = across.dot(three_of(outward));
                     let apart = across.dot(start - three_of(other_start))
                         * (Single::same(1.0) / squared.sqrt());
                     let apart = negative(outward).select(-apart, apart);

@@ -85,3 +85,13 @@ pub(crate) struct Ridge {
     pub(crate) along: DVec3,
     pub(crate) normals: [DVec3; 2],
 }
+
+impl Ridge {
+    /// Away from the hull, between both normals: not unit. The faces of a sliver look in opposite
+    /// directions, and what is left of their normals' sum is rounding; across the edge in the plane
+    /// of the first face, which has the edge in its own direction, is out there.
+    pub(crate) fn outward(&self) -> DVec3 {
+        let [first, second] = self.normals;
+        first + second + self.along.cross(first - second) / self.along.length()
+    }
+}

@@ -40,5 +40,5 @@ pub(crate) struct Corner {
     pub(crate) beyond: f64,
 }
 
-/// Eight ridges: start points, edge vectors, and both face normals.
-pub(crate) type RidgeColumns = [[Singles; 3]; 4];
+/// Eight ridges: start points, edge vectors, both face normals, and outward directions.
+pub(crate) type RidgeColumns = [[Singles; 3]; 5];

@@ -147,9 +147,7 @@ impl EdgeAxis {
     /// Axis across two edges.
     fn of(first: &Ridge, second: &Ridge) -> Option<Self> {
         let across = first.along.cross(second.along).try_normalize()?;
-        // The second hull's outward direction lies between the normals of its edge.
-        let outward = second.normals[0] + second.normals[1];
-        let normal = if across.dot(outward) < 0.0 { -across } else { across };
+        let normal = if across.dot(second.outward()) < 0.0 { -across } else { across };
         let separation = normal.dot(first.ends[0] - second.ends[0]);
         Some(Self { edges: [first.edge, second.edge], normal, separation })
     }

@@ -1,6 +1,7 @@
 //! Contact points of a body of revolution and its partner at an instant.
 
 use crate::narrow_phase::revolved::areas::{AreaPoint, OF_PARTNER, disc_on_area, line_on_area};
+use crate::narrow_phase::revolved::closest::deepest_points;
 use crate::narrow_phase::revolved::features::{
     Area, Facing, is_aligned, nearest_face, touching_edge,
 };
@@ -281,7 +282,14 @@ impl<'a> Instant<'a> {
     /// The closest points of separated cores, or of the edges and sides that overlap.
     fn single(&self, mine: Facing) -> RoundPoint {
         let (round, normal) = (self.round, self.separation.normal);
-        let [point, point_partner] = self.separation.on.unwrap_or_else(|| self.deepest(mine));
+        let [point, point_partner] = self.separation.on.unwrap_or_else(|| {
+            let on = self.deepest(mine);
+            let rounding = round.rounding + self.partner.rounding();
+            let gap = (on[0] - on[1]).dot(normal) - rounding;
+            let misses = gap > self.separation.gap + 2.0 * self.close;
+            let found = misses.then(|| deepest_points(round, self.partner, (normal, self.close)));
+            found.flatten().unwrap_or(on)
+        });
         let theirs = match self.partner {
             Partner::Revolved(other) => {
                 let facing = other.facing(normal);
