@@ -28,6 +28,7 @@ pub(crate) fn compound_points(
         return false;
     }
 
+    let slack = 10.0 * pair_motion.grazing();
     let (mut all, mut hidden, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
     for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
         let convex_shape = |side: usize| match (compounds[side], parts[side]) {
@@ -50,7 +51,7 @@ pub(crate) fn compound_points(
                 let at = if side == 0 { point.anchor_first } else { point.anchor_second };
                 let outward = if side == 0 { -point.normal } else { point.normal };
                 let body_from_world = pair_motion.paths[side].start.world_from_body().inverse();
-                compound.is_covered(part, at, body_from_world.direction(outward))
+                compound.is_covered(part, at, body_from_world.direction(outward), slack)
             };
             let of_points = if is_inner(0) || is_inner(1) { &mut hidden } else { &mut all };
             of_points.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });

@@ -43,7 +43,7 @@ pub(crate) fn mend_seams(
         shapes[seams.side] = ConvexShape::Ground(plane);
         let mut on_plane = Vec::new();
         let _ = exact_points(pair_motion, shapes, scratch, &mut on_plane);
-        points.extend(on_plane.into_iter().filter(|point| seams.is_on_face(point, &plane)));
+        points.extend(on_plane.into_iter().filter(|point| seams.is_over_face(point, &plane)));
     }
     true
 }
