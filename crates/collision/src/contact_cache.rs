@@ -267,7 +267,7 @@ impl Share<'_> {
             _ => None,
         };
         // Points of a seam belong to this frame.
-        let is_seam = mend_seams(&pair_motion, convex_shapes, [None; 2], scratch, points);
+        let is_seam = mend_seams(&pair_motion, convex_shapes, scratch, points);
         let separation_bound = separation_bound.filter(|_| !is_seam);
         core_points(&pair_motion, convex_shapes, points);
         let begin = self.chunk.points.len();

@@ -7,7 +7,8 @@ use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::seam_contacts::mend_seams;
+use crate::narrow_phase::seam_contacts::{plane_points, take_covered};
+use crate::narrow_phase::seams::{Seams, near_seams};
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 
@@ -28,34 +29,63 @@ pub(crate) fn compound_points(
         return false;
     }
 
-    let slack = 10.0 * pair_motion.grazing();
-    let (mut all, mut hidden, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
-    for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
-        let convex_shape = |side: usize| match (compounds[side], parts[side]) {
+    let shapes_of = |parts: [Option<usize>; 2]| {
+        [0, 1].map(|side| match (compounds[side], parts[side]) {
             (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
             _ => ConvexShape::of(shapes[side]),
-        };
-        of_parts.clear();
-        if !exact_points(pair_motion, [convex_shape(0), convex_shape(1)], scratch, &mut of_parts) {
-            return false;
-        }
+        })
+    };
+    let seams_of = |parts: [Option<usize>; 2]| {
         let of_compounds =
             [0, 1].map(|side| compounds[side].and_then(|of| parts[side].map(|part| (of, part))));
-        let shapes = [convex_shape(0), convex_shape(1)];
-        mend_seams(pair_motion, shapes, of_compounds, scratch, &mut of_parts);
-        for point in &of_parts {
-            let is_inner = |side: usize| {
-                let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {
-                    return false;
-                };
-                let at = if side == 0 { point.anchor_first } else { point.anchor_second };
-                let outward = if side == 0 { -point.normal } else { point.normal };
-                let body_from_world = pair_motion.paths[side].start.world_from_body().inverse();
-                compound.is_covered(part, at, body_from_world.direction(outward), slack)
+        Seams::new(pair_motion, shapes_of(parts), of_compounds)
+    };
+    let slack = near_seams(pair_motion);
+    let is_inner = |parts: [Option<usize>; 2], point: &ManifoldPoint| {
+        let is_inner_on = |side: usize| {
+            let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {
+                return false;
             };
-            let of_points = if is_inner(0) || is_inner(1) { &mut hidden } else { &mut all };
+            let at = if side == 0 { point.anchor_first } else { point.anchor_second };
+            let outward = if side == 0 { -point.normal } else { point.normal };
+            let body_from_world = pair_motion.paths[side].start.world_from_body().inverse();
+            compound.is_covered(part, at, body_from_world.direction(outward), slack)
+        };
+        is_inner_on(0) || is_inner_on(1)
+    };
+    let (mut all, mut hidden, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
+    let mut add = |parts: [Option<usize>; 2], of_parts: &[ManifoldPoint]| {
+        for point in of_parts {
+            let of_points = if is_inner(parts, point) { &mut hidden } else { &mut all };
             of_points.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
         }
+    };
+    // A plane with faces of several parts is met once.
+    let mut planes: Vec<([Option<usize>; 2], HalfSpace)> = Vec::new();
+    for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
+        of_parts.clear();
+        if !exact_points(pair_motion, shapes_of(parts), scratch, &mut of_parts) {
+            return false;
+        }
+        if let Some(seams) = seams_of(parts) {
+            let mover = 1 - seams.side;
+            for plane in take_covered(&seams, &mut of_parts) {
+                let is_known = |(of, known): &([Option<usize>; 2], HalfSpace)| {
+                    of[mover] == parts[mover] && seams.is_flush(known, &plane)
+                };
+                if !planes.iter().any(is_known) {
+                    planes.push((parts, plane));
+                }
+            }
+        }
+        add(parts, &of_parts);
+    }
+    for (parts, plane) in planes {
+        of_parts.clear();
+        if let Some(seams) = seams_of(parts) {
+            plane_points(&seams, shapes_of(parts), &plane, scratch, &mut of_parts);
+        }
+        add(parts, &of_parts);
     }
     // A body deep in a compound touches only features that neighbouring parts cover.
     if all.is_empty() {

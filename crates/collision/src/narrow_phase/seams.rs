@@ -27,12 +27,17 @@ pub(crate) const FLAT: f64 = 0.9998;
 /// that leans [1].
 const LEANS: f64 = 0.98;
 
+/// Distance from a point within which its surface is looked at [m].
+pub(crate) fn near_seams(pair_motion: &PairMotion) -> f64 {
+    BESIDE * WIDTH * pair_motion.grazing()
+}
+
 /// A part of a compound, by its number.
 pub(crate) type OfCompound<'a> = Option<(&'a Compound, usize)>;
 
 /// A body and a fixed one, or parts of them.
 pub(crate) struct Seams<'a> {
-    pair_motion: &'a PairMotion<'a>,
+    pub(crate) pair_motion: &'a PairMotion<'a>,
     /// Of the fixed body in the pair.
     pub(crate) side: usize,
     fixed: ConvexShape<'a>,
@@ -134,6 +139,11 @@ impl<'a> Seams<'a> {
         matches!(self.fixed, ConvexShape::Hull(_))
     }
 
+    /// True for the same plane, as far as seams go.
+    pub(crate) fn is_flush(&self, a: &HalfSpace, b: &HalfSpace) -> bool {
+        a.normal.dot(b.normal) >= SAME_NORMAL && (a.offset - b.offset).abs() <= self.flush
+    }
+
     /// The plane's normal in the world, from the second body to the first.
     pub(crate) fn normal_of(&self, plane: &HalfSpace) -> DVec3 {
         let outward = self.pair_motion.paths[self.side].start.orientation * plane.normal;
@@ -198,7 +208,7 @@ impl<'a> Seams<'a> {
 
     /// True if a face is free somewhere near a point of it: no neighbour lies on it there.
     fn is_free(&self, foot: DVec3, normal: DVec3) -> bool {
-        around(foot, normal, BESIDE * self.width).any(|at| {
+        around(foot, normal, near_seams(self.pair_motion)).any(|at| {
             self.is_on_face(at, normal, 0.0)
                 && !self.any_neighbour(at, |shape, here_from_fixed| {
                     let (at, normal) =
