@@ -38,7 +38,7 @@ pub fn find_manifolds(
             found.add(pair, manifold.points.iter().copied());
         }
     }
-    Manifolds { parts: vec![found], ..Manifolds::default() }
+    Manifolds { parts: vec![found], neighbours, ..Manifolds::default() }
 }
 
 /// Finds manifolds with reused memory; results do not depend on earlier calls.

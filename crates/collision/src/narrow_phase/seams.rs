@@ -293,7 +293,7 @@ fn lies_on(shape: &ConvexShape, at: DVec3, normal: DVec3, [flush, gap]: [f64; 2]
             visit_faces(shape, at, gap, |plane, corners| {
                 lies |= plane.normal.dot(normal) <= -FLAT
                     && (-flush..=gap).contains(&plane.distance(at))
-                    && outside(at, &plane, corners) <= 0.0;
+                    && outside(at, &plane, corners) <= flush;
             });
             lies
         }
