@@ -32,6 +32,9 @@ pub(crate) fn near_seams(pair_motion: &PairMotion) -> f64 {
     BESIDE * WIDTH * pair_motion.grazing()
 }
 
+/// Cosine of the angle to a direction up to which points lie in it [1].
+const AHEAD: f64 = 0.1;
+
 /// A part of a compound, by its number.
 pub(crate) type OfCompound<'a> = Option<(&'a Compound, usize)>;
 
@@ -111,7 +114,7 @@ impl<'a> Seams<'a> {
             };
             let is_free = |point: &ManifoldPoint| {
                 let foot = at(point) - plane.distance(at(point)) * plane.normal;
-                self.is_free(foot, plane.normal)
+                self.is_free(foot, plane.normal, aside)
             };
             if is_better && points.iter().all(goes_on) && points.iter().any(is_free) {
                 best = Some((height, plane));
@@ -206,10 +209,13 @@ impl<'a> Seams<'a> {
         })
     }
 
-    /// True if a face is free somewhere near a point of it: no neighbour lies on it there.
-    fn is_free(&self, foot: DVec3, normal: DVec3) -> bool {
-        around(foot, normal, near_seams(self.pair_motion)).any(|at| {
-            self.is_on_face(at, normal, 0.0)
+    /// True if faces in one plane are free somewhere near a point of it, in a direction of it: no
+    /// neighbour lies on them there.
+    fn is_free(&self, foot: DVec3, normal: DVec3, aside: DVec3) -> bool {
+        let near = near_seams(self.pair_motion);
+        around(foot, normal, near).any(|at| {
+            (at - foot).dot(aside) > AHEAD * near
+                && self.is_on_face(at, normal, 0.0)
                 && !self.any_neighbour(at, |shape, here_from_fixed| {
                     let (at, normal) =
                         (here_from_fixed.point(at), here_from_fixed.direction(normal));
