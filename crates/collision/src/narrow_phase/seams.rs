@@ -32,8 +32,9 @@ pub(crate) fn near_seams(pair_motion: &PairMotion) -> f64 {
     BESIDE * WIDTH * pair_motion.grazing()
 }
 
-/// Cosine of the angle to a direction up to which points lie in it [1].
-const AHEAD: f64 = 0.1;
+/// Distance from a face within which points lie on it, for those that look at it, in units of their
+/// distance from each other [1].
+const ROUNDING: f64 = 1e-6;
 
 /// A part of a compound, by its number.
 pub(crate) type OfCompound<'a> = Option<(&'a Compound, usize)>;
@@ -114,7 +115,7 @@ impl<'a> Seams<'a> {
             };
             let is_free = |point: &ManifoldPoint| {
                 let foot = at(point) - plane.distance(at(point)) * plane.normal;
-                self.is_free(foot, plane.normal, aside)
+                self.is_free(foot, plane.normal, leans)
             };
             if is_better && points.iter().all(goes_on) && points.iter().any(is_free) {
                 best = Some((height, plane));
@@ -209,13 +210,17 @@ impl<'a> Seams<'a> {
         })
     }
 
-    /// True if faces in one plane are free somewhere near a point of it, in a direction of it: no
-    /// neighbour lies on them there.
-    fn is_free(&self, foot: DVec3, normal: DVec3, aside: DVec3) -> bool {
+    /// True if a face in the plane of a face is free somewhere near a point: no neighbour lies on
+    /// it there. It is a neighbour's, unless its own counts, too.
+    fn is_free(&self, foot: DVec3, normal: DVec3, own_counts: bool) -> bool {
         let near = near_seams(self.pair_motion);
         around(foot, normal, near).any(|at| {
-            (at - foot).dot(aside) > AHEAD * near
-                && self.is_on_face(at, normal, 0.0)
+            let is_on_face = if own_counts {
+                self.is_on_face(at, normal, ROUNDING * near)
+            } else {
+                self.goes_on(at, normal, None, ROUNDING * near)
+            };
+            is_on_face
                 && !self.any_neighbour(at, |shape, here_from_fixed| {
                     let (at, normal) =
                         (here_from_fixed.point(at), here_from_fixed.direction(normal));
