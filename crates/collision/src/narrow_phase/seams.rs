@@ -11,7 +11,9 @@ use frangible_math::RigidTransform;
 use glam::DVec3;
 
 /// Overlap with a face, and width of a gap to the next one, up to which a seam is a seam, in
-/// overlaps of grazing [1]. Faces that differ in height by one such overlap lie in one plane.
+/// overlaps of grazing [1]. Faces that differ in height by one such overlap lie in one plane. With
+/// 1 four of 816 rows of tiles stop what crosses them instead of one, and four of 300 walls instead
+/// of none.
 const WIDTH: f64 = 5.0;
 
 /// Distance from a point at which its face is looked at, in widths of seams [1].
