@@ -116,14 +116,26 @@ impl<'a> Seams<'a> {
                 leans && is_inner() || self.goes_on(foot, plane.normal, Some(aside), self.width)
             };
             let is_free = |point: &ManifoldPoint| {
-                let foot = at(point) - plane.distance(at(point)) * plane.normal;
-                self.is_free(foot, plane.normal, leans)
+                // On its way into a wall a body meets what is under the wall.
+                [at(point), self.start_of(point)].into_iter().any(|at| {
+                    let foot = at - plane.distance(at) * plane.normal;
+                    self.is_free(foot, plane.normal, leans)
+                })
             };
             if is_better && points.iter().all(goes_on) && points.iter().any(is_free) {
                 best = Some((height, plane));
             }
         });
         best.map(|(_, plane)| plane)
+    }
+
+    /// Where the moving body's point is at the start, in the fixed body's frame [m].
+    fn start_of(&self, point: &ManifoldPoint) -> DVec3 {
+        let anchors = [point.anchor_first, point.anchor_second];
+        let [fixed, mover] =
+            [self.side, 1 - self.side].map(|side| self.pair_motion.paths[side].start);
+        let point_world = mover.world_from_body().point(anchors[1 - self.side]);
+        fixed.world_from_body().inverse().point(point_world)
     }
 
     /// True for a point of contact with a plane that lies on a face: a plane has no borders, a face
