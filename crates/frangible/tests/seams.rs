@@ -281,7 +281,7 @@ proptest! {
         [brick, deep] in [0.3..3.0f64, 0.3..2.0f64],
         is_bond: bool,
         slant in 0.0..1.3f64,
-        heading in 0.0..6.28f64,
+        heading in 0.0..std::f64::consts::TAU,
         [turn, pose, spin] in prop::array::uniform3(prop::array::uniform3(-1.0..1.0f64)),
     ) {
         let (size, speed) = (10f64.powf(log_size), 10f64.powf(log_speed));
