@@ -76,26 +76,24 @@ impl ContactCache {
         let flights = threads::list(bodies.len(), |i| BallisticPath::of(bodies, i, frame));
         let shapes = threads::list(bodies.len(), |i| CollisionShape::of(&bodies.shapes[i]));
         let indices = self.begin_frame(bodies, &flights);
-        let neighbours = FixedNeighbours::of_world(bodies, pairs.iter().copied());
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.chunks);
         self.chunks.resize_with(count, CacheChunk::default);
         self.finders.resize_with(count, ManifoldFinder::default);
         self.found.parts.resize_with(count, Found::default);
         self.found.replaced.clear();
+        self.found.neighbours = FixedNeighbours::of_world(bodies, pairs.iter().copied());
 
         // Each task takes a run of consecutive pairs.
         let Self { paths, chunks, last, finders, found } = self;
         let first_pairs = first_pairs(last, &indices);
         let cursor = CacheCursor::new(last, &indices, &first_pairs);
-        let buffers = chunks.iter_mut().zip(finders).zip(&mut found.parts);
+        let Manifolds { parts, neighbours, .. } = found;
+        let buffers = chunks.iter_mut().zip(finders).zip(parts);
         let mut shares: Vec<(Share, &[Pair])> = buffers
             .zip(pairs.chunks(SHARE))
             .map(|(((chunk, finder), found), pairs)| {
-                (
-                    Share { paths, shapes: &shapes, neighbours: &neighbours, chunk, finder, found },
-                    pairs,
-                )
+                (Share { paths, shapes: &shapes, neighbours, chunk, finder, found }, pairs)
             })
             .collect();
         let find = |(share, pairs): &mut (Share, &[Pair])| {
@@ -267,7 +265,7 @@ impl Share<'_> {
             _ => None,
         };
         // Points of a seam belong to this frame.
-        let is_seam = mend_seams(&pair_motion, convex_shapes, [None; 2], scratch, points);
+        let is_seam = mend_seams(&pair_motion, convex_shapes, scratch, points);
         let separation_bound = separation_bound.filter(|_| !is_seam);
         core_points(&pair_motion, convex_shapes, points);
         let begin = self.chunk.points.len();

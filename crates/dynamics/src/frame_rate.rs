@@ -28,7 +28,7 @@ use crate::energy::frame_accounts::FrameAccounts;
 use containment::contain;
 use finish::{FrameStart, Solved, close_islands, fall};
 use frangible_bodies::{Activity, Bodies, Frame, Motion, Substeps, evolve};
-use frangible_collision::{ImpulseCache, ImpulseChunk, Manifold};
+use frangible_collision::{FixedNeighbours, ImpulseCache, ImpulseChunk, Manifold};
 #[cfg(test)]
 use frangible_math::Scalar;
 #[cfg(not(test))]
@@ -40,29 +40,30 @@ use slabs::NOWHERE;
 use solver_islands::{Bundle, IslandGroups};
 use std::collections::BTreeMap;
 
-/// Advances all bodies by one frame and replaces the impulse cache `warm`.
+/// Advances all bodies by one frame and replaces the impulse cache `warm`. Contacts are manifolds,
+/// and what stands beside the fixed bodies in them.
 pub fn solve(
     bodies: &mut Bodies,
-    manifolds: &[Manifold],
+    contacts: (&[Manifold], &FixedNeighbours),
     warm: &mut ImpulseCache,
     frame: &Frame,
 ) -> Solved {
     #[cfg(not(test))]
     {
-        with_widest!(frame.settings.width, solve_with(bodies, manifolds, warm, frame))
+        with_widest!(frame.settings.width, solve_with(bodies, contacts, warm, frame))
     }
     // Unit tests compile a single width, which saves most of their compile time; the scene tests
     // compare the bits of all widths.
     #[cfg(test)]
     {
-        solve_with::<Scalar>(bodies, manifolds, warm, frame)
+        solve_with::<Scalar>(bodies, contacts, warm, frame)
     }
 }
 
 /// [`solve`] for one instruction set.
 fn solve_with<I: Instructions>(
     bodies: &mut Bodies,
-    manifolds: &[Manifold],
+    (manifolds, neighbours): (&[Manifold], &FixedNeighbours),
     warm: &mut ImpulseCache,
     frame: &Frame,
 ) -> Solved {
@@ -80,7 +81,7 @@ fn solve_with<I: Instructions>(
     let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
         let input = (manifolds, &carried[..]);
         let mut group = Group::<I>::new(bodies, input, (&members, substeps), lines, frame);
-        group.run(bodies, manifolds, frame);
+        group.run(bodies, (manifolds, neighbours), frame);
         group
     };
     let room = || vec![NOWHERE; bodies.len()];

@@ -266,7 +266,7 @@ fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) ->
     let before = Before::of(bodies);
     let pressed_before = waiting_contacts(bodies, labels, &manifolds, warm, frame);
     let Solved { accounts: solver_accounts, gravity, short_of_substeps, confirmed } =
-        solve(bodies, &manifolds, warm, frame);
+        solve(bodies, (&manifolds, &found.neighbours), warm, frame);
     accounts.add(solver_accounts);
     let as_solved = |Manifold { pair, points }| Manifold {
         pair,

@@ -233,19 +233,39 @@ impl Compound {
     }
 
     /// True if a neighbouring part covers a surface point in the direction of `normal`: the normal
-    /// is then not a surface normal of the compound.
-    pub fn is_covered(&self, part: usize, point: DVec3, normal: DVec3) -> bool {
+    /// is then not a surface normal of the compound within `slack` [m] of the point.
+    pub fn is_covered(&self, part: usize, point: DVec3, normal: DVec3, slack: f64) -> bool {
         let close = self.close();
-        let reaches_further = |other: usize| {
-            let hull = &self.parts[other].hull;
+        // A corner in which parts meet has no normal. Beside it each has its own.
+        let across = normal.any_orthonormal_vector();
+        let along = normal.cross(across);
+        let around = |step: u32| {
+            let angle = std::f64::consts::FRAC_PI_4 * f64::from(step);
+            let (sin, cos) = libm::sincos(angle);
+            point + slack * (cos * across + sin * along)
+        };
+        !self.has_normal(Some(part), point, normal, close)
+            && !(0..8)
+                .any(|step| self.has_normal(None, around(step), normal, close + LEANING * slack))
+    }
+
+    /// True if no part reaches further in the direction of `normal` [1] from a point that it touches
+    /// to `close` [m], and one does touch it. `own` does.
+    fn has_normal(&self, own: Option<usize>, point: DVec3, normal: DVec3, close: f64) -> bool {
+        let near = self.parts_near(point - close, point + close);
+        let mut touching = near
+            .into_iter()
+            .filter(|&part| Some(part) != own)
+            .filter(|&part| self.parts[part].hull.distance_up_to(point, close) <= close)
+            .peekable();
+        let ends = |part: usize| {
             let beyond = |vertex: &DVec3| {
                 let way = *vertex - point;
                 normal.dot(way) > LEANING * way.length() + close
             };
-            hull.distance_up_to(point, close) <= close && hull.vertices().iter().any(beyond)
+            !self.parts[part].hull.vertices().iter().any(beyond)
         };
-        let near = self.parts_near(point - close, point + close);
-        near.into_iter().any(|other| other != part && reaches_further(other))
+        (own.is_some() || touching.peek().is_some()) && touching.all(ends)
     }
 
     /// Tolerance of touching [m].

@@ -149,21 +149,64 @@ fn glued_faces_are_those_that_are_covered() {
     assert!(!top(&Compound::new(vec![cuboid(low, high), above(2.0, 4.0)])));
 }
 
-/// On a seam the flat top's own normal counts, and no other; in a corner both do.
+/// On a seam the flat top's own normal counts, and no other; at a wall's foot the normals of both,
+/// and none between them.
 #[test]
 fn what_glued_parts_hide_of_each_other_is_no_surface() {
     let floor = |x: f64| cuboid(DVec3::new(x, -1.0, 0.0), DVec3::new(x + 1.0, 0.0, 1.0));
     let compound = Compound::new(vec![floor(0.0), floor(1.0)]);
     let seam = DVec3::new(1.0, 0.0, 0.5);
-    assert!(!compound.is_covered(0, seam, DVec3::Y) && !compound.is_covered(1, seam, DVec3::Y));
-    assert!(compound.is_covered(0, seam, DVec3::new(0.6, 0.8, 0.0)));
-    assert!(compound.is_covered(1, seam, DVec3::new(-0.6, 0.8, 0.0)));
-    assert!(compound.is_covered(0, DVec3::new(1.0, -0.01, 0.5), DVec3::X));
-    assert!(!compound.is_covered(1, DVec3::new(2.0, 0.0, 0.5), DVec3::new(0.6, 0.8, 0.0)));
+    let is_covered = |part: usize, point: DVec3, normal: [f64; 3]| {
+        compound.is_covered(part, point, normal.into(), SLACK)
+    };
+    assert!(!is_covered(0, seam, [0.0, 1.0, 0.0]) && !is_covered(1, seam, [0.0, 1.0, 0.0]));
+    assert!(is_covered(0, seam, [0.6, 0.8, 0.0]) && is_covered(1, seam, [-0.6, 0.8, 0.0]));
+    assert!(is_covered(0, DVec3::new(1.0, -0.01, 0.5), [1.0, 0.0, 0.0]));
+    assert!(!is_covered(1, DVec3::new(2.0, 0.0, 0.5), [0.6, 0.8, 0.0]));
     // Under the seam the nearest surface is the top, for either part.
     for x in [0.99, 1.0, 1.01] {
         let (distance, gradient) = compound.distance_and_gradient(DVec3::new(x, -0.1, 0.5));
         assert!((distance + 0.1).abs() < 1e-15 && gradient == DVec3::Y, "{distance}, {gradient}");
+    }
+}
+
+/// Way to the side of a point on which a surface counts [m].
+const SLACK: f64 = 1e-3;
+
+/// At the foot of a wall, beside floors or on them, both have their normals: on its line, a little
+/// behind it, and where two walls meet.
+#[test]
+fn walls_hide_no_floor_at_their_feet() {
+    let floors = [0.0, 1.0].map(|x| (DVec3::new(x, -1.0, 0.0), DVec3::new(x + 1.0, 0.0, 1.0)));
+    let walls = |depth: f64, foot: f64| {
+        let behind = (DVec3::new(0.0, -depth, foot), DVec3::new(2.0, 1.0, foot + 0.5));
+        let beside = (DVec3::new(-0.5, -depth, 0.0), DVec3::new(0.0, 1.0, foot + 0.5));
+        [behind, beside]
+    };
+    for (depth, foot) in [(0.0, 1.0), (1.0, 1.0), (0.0, 0.8)] {
+        let parts = floors.into_iter().chain(walls(depth, foot));
+        let compound = Compound::new(parts.map(|(low, high)| cuboid(low, high)).collect());
+        for turn in [DQuat::IDENTITY, DQuat::from_rotation_y(0.3)] {
+            let turned = compound.transformed(&RigidTransform::new(turn, DVec3::ZERO));
+            let is_covered = |part: usize, at: [f64; 3], normal: [f64; 3]| {
+                turned.is_covered(part, turn * DVec3::from(at), turn * DVec3::from(normal), SLACK)
+            };
+            let (up, out, along) = ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]);
+            for (floor, x) in [(0, 0.5), (0, 1.0), (1, 1.0), (0, 0.0)] {
+                assert!(!is_covered(floor, [x, 0.0, foot], up), "{depth} {foot} {x}");
+                assert!(!is_covered(floor, [x, 0.0, (foot + 1e-4).min(1.0)], up), "{depth} {x}");
+            }
+            assert!(!is_covered(2, [0.5, 0.0, foot], out) && !is_covered(2, [0.0, 0.0, foot], out));
+            assert!(!is_covered(3, [0.0, 0.0, foot], along));
+            let between = [0.0, 0.8, -0.6];
+            assert!(is_covered(0, [0.5, 0.0, foot], between), "{depth} {foot}");
+            assert!(is_covered(2, [0.5, 0.0, foot], between), "{depth} {foot}");
+            // Sides of floors that touch, and of what stands on one.
+            assert!(
+                is_covered(0, [1.0, 0.0, 0.5], along) && is_covered(0, [1.0, -1e-4, 0.5], along)
+            );
+            assert!(is_covered(2, [0.5, -depth, foot + 0.1], [0.0, -1.0, 0.0]) == (foot < 1.0));
+        }
     }
 }
 

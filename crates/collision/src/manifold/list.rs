@@ -1,6 +1,7 @@
 //! Manifolds of many pairs, in lists filled in parallel.
 
 use crate::manifold::{Manifold, ManifoldPoint};
+use crate::narrow_phase::fixed_neighbours::FixedNeighbours;
 use frangible_bodies::Pair;
 
 /// Manifolds in increasing order of their pairs.
@@ -10,6 +11,8 @@ pub struct Manifolds {
     pub(crate) parts: Vec<Found>,
     /// Stand in the place of the same pairs of `parts`, or beside them.
     pub(crate) replaced: Found,
+    /// Of all pairs that were looked at, also those without points.
+    pub neighbours: FixedNeighbours,
 }
 
 /// Manifolds of consecutive pairs, with a common list of points.
@@ -45,7 +48,7 @@ impl Manifolds {
 
     /// Iterates over pairs and their points, replaced ones last.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (Pair, &mut [ManifoldPoint])> {
-        let Self { parts, replaced } = self;
+        let Self { parts, replaced, .. } = self;
         let pairs: Vec<Pair> = replaced.pairs.iter().map(|found| found.pair).collect();
         let is_kept = move |pair: &Pair| pairs.binary_search(pair).is_err();
         let kept = parts.iter_mut().flat_map(Found::iter_mut);

@@ -7,9 +7,20 @@ use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::seam_contacts::mend_seams;
+use crate::narrow_phase::seam_contacts::{plane_points, take_covered};
+use crate::narrow_phase::seams::{Seams, near_seams};
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
+
+/// A part of each body that has any, by its number.
+type Parts = [Option<usize>; 2];
+
+/// A pair with a compound.
+struct CompoundPair<'a> {
+    pair_motion: &'a PairMotion<'a>,
+    shapes: [&'a Shape; 2],
+    compounds: [Option<&'a Compound>; 2],
+}
 
 /// Appends the points of a pair with a compound; `false` without a compound, or if the pair needs
 /// samples.
@@ -18,9 +29,8 @@ pub(crate) fn compound_points(
     scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
-    let PairMotion { bodies, pair, .. } = *pair_motion;
-    let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
-    let compounds = [shapes[0].compound.as_deref(), shapes[1].compound.as_deref()];
+    let shapes = pair_motion.pair.both().map(|i| &*pair_motion.bodies.shapes[i]);
+    let compounds = shapes.map(|shape| shape.compound.as_deref());
     let meets_by_samples = |side: usize| {
         compounds[side].is_none() && matches!(ConvexShape::of(shapes[side]), ConvexShape::Other(_))
     };
@@ -28,33 +38,41 @@ pub(crate) fn compound_points(
         return false;
     }
 
+    let of_pair = CompoundPair { pair_motion, shapes, compounds };
     let (mut all, mut hidden, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
-    for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
-        let convex_shape = |side: usize| match (compounds[side], parts[side]) {
-            (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
-            _ => ConvexShape::of(shapes[side]),
-        };
-        of_parts.clear();
-        if !exact_points(pair_motion, [convex_shape(0), convex_shape(1)], scratch, &mut of_parts) {
-            return false;
-        }
-        let of_compounds =
-            [0, 1].map(|side| compounds[side].and_then(|of| parts[side].map(|part| (of, part))));
-        let shapes = [convex_shape(0), convex_shape(1)];
-        mend_seams(pair_motion, shapes, of_compounds, scratch, &mut of_parts);
-        for point in &of_parts {
-            let is_inner = |side: usize| {
-                let (Some(compound), Some(part)) = (compounds[side], parts[side]) else {
-                    return false;
-                };
-                let at = if side == 0 { point.anchor_first } else { point.anchor_second };
-                let outward = if side == 0 { -point.normal } else { point.normal };
-                let body_from_world = pair_motion.paths[side].start.world_from_body().inverse();
-                compound.is_covered(part, at, body_from_world.direction(outward))
-            };
-            let of_points = if is_inner(0) || is_inner(1) { &mut hidden } else { &mut all };
+    let mut add = |parts: Parts, of_parts: &[ManifoldPoint]| {
+        for point in of_parts {
+            let is_hidden = of_pair.is_covered(parts, point);
+            let of_points = if is_hidden { &mut hidden } else { &mut all };
             of_points.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
         }
+    };
+    // A plane with faces of several parts is met once.
+    let mut planes: Vec<(Parts, HalfSpace)> = Vec::new();
+    for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
+        of_parts.clear();
+        if !exact_points(pair_motion, of_pair.shapes(parts), scratch, &mut of_parts) {
+            return false;
+        }
+        if let Some(seams) = of_pair.seams(parts) {
+            let mover = 1 - seams.side;
+            for plane in take_covered(&seams, &mut of_parts) {
+                let is_known = |(of, known): &(Parts, HalfSpace)| {
+                    of[mover] == parts[mover] && seams.is_flush(known, &plane)
+                };
+                if !planes.iter().any(is_known) {
+                    planes.push((parts, plane));
+                }
+            }
+        }
+        add(parts, &of_parts);
+    }
+    for (parts, plane) in planes {
+        of_parts.clear();
+        if let Some(seams) = of_pair.seams(parts) {
+            plane_points(&seams, of_pair.shapes(parts), &plane, scratch, &mut of_parts);
+        }
+        add(parts, &of_parts);
     }
     // A body deep in a compound touches only features that neighbouring parts cover.
     if all.is_empty() {
@@ -64,12 +82,41 @@ pub(crate) fn compound_points(
     true
 }
 
+impl<'a> CompoundPair<'a> {
+    fn shapes(&self, parts: Parts) -> [ConvexShape<'a>; 2] {
+        [0, 1].map(|side| match (self.compounds[side], parts[side]) {
+            (Some(compound), Some(part)) => ConvexShape::Hull(&compound.parts()[part].hull),
+            _ => ConvexShape::of(self.shapes[side]),
+        })
+    }
+
+    fn seams(&self, parts: Parts) -> Option<Seams<'a>> {
+        let of_compound = |side: usize| Some((self.compounds[side]?, parts[side]?));
+        Seams::new(self.pair_motion, self.shapes(parts), [0, 1].map(of_compound))
+    }
+
+    /// True for a point that other parts of either body cover.
+    fn is_covered(&self, parts: Parts, point: &ManifoldPoint) -> bool {
+        let slack = near_seams(self.pair_motion);
+        [0, 1].into_iter().any(|side| {
+            let (Some(compound), Some(part)) = (self.compounds[side], parts[side]) else {
+                return false;
+            };
+            let at = if side == 0 { point.anchor_first } else { point.anchor_second };
+            let outward = if side == 0 { -point.normal } else { point.normal };
+            let path = self.pair_motion.paths[side];
+            let body_from_world = path.start.world_from_body().inverse();
+            compound.is_covered(part, at, body_from_world.direction(outward), slack)
+        })
+    }
+}
+
 /// Pairs of parts (for bodies with parts) with bounds within `reach` [m] of each other.
 pub(crate) fn near_parts(
     placed: [Placed; 2],
     compounds: [Option<&Compound>; 2],
     reach: f64,
-) -> Vec<[Option<usize>; 2]> {
+) -> Vec<Parts> {
     let of_second = bounds_of(placed[1].shape);
     let second_from_first = second_from_first(placed[0], placed[1]);
     let near = |compound: &Compound, of: Bounds| {
@@ -116,7 +163,7 @@ fn bounds_of(shape: &Shape) -> Bounds {
 }
 
 /// Feature id of a point of two parts: part indices and the part's own feature id.
-fn feature_of(FeatureId { is_of_first, index }: FeatureId, parts: [Option<usize>; 2]) -> FeatureId {
+fn feature_of(FeatureId { is_of_first, index }: FeatureId, parts: Parts) -> FeatureId {
     let [first, second] = parts.map(|part| part.unwrap_or_default() as u64 & 0xffff);
     FeatureId { is_of_first, index: index | first << 48 | second << 32 }
 }

@@ -62,8 +62,9 @@ pub(crate) fn core_points(
             };
             let Some(plane) = seams.plane_over(&[point]) else { return Some(point) };
             let on_plane = BallContact { other: ConvexShape::Ground(plane), ..core }.point();
-            on_plane
-                .map(|on_plane| if seams.is_on_face(&on_plane, &plane) { on_plane } else { point })
+            on_plane.map(
+                |on_plane| if seams.is_over_face(&on_plane, &plane) { on_plane } else { point },
+            )
         });
         let point = point
             .filter(|point| point.gap <= pair_motion.near + pair_motion.ahead * point.approach);

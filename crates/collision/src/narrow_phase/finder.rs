@@ -38,7 +38,7 @@ pub fn find_manifolds(
             found.add(pair, manifold.points.iter().copied());
         }
     }
-    Manifolds { parts: vec![found], ..Manifolds::default() }
+    Manifolds { parts: vec![found], neighbours, ..Manifolds::default() }
 }
 
 /// Finds manifolds with reused memory; results do not depend on earlier calls.
@@ -84,7 +84,7 @@ impl ManifoldFinder {
         // The parts of compounds mend their own seams.
         let is_compound = compound_points(pair_motion, scratch, points);
         if !is_compound && exact_points(pair_motion, convex_shapes, scratch, points) {
-            mend_seams(pair_motion, convex_shapes, [None; 2], scratch, points);
+            mend_seams(pair_motion, convex_shapes, scratch, points);
         } else if !is_compound {
             let candidates = find_candidates(pair_motion);
             let chosen = choose(&candidates, has_carried);

@@ -3,7 +3,7 @@
 use frangible_bodies::{Bodies, Pair};
 
 /// Fixed bodies near each body that is near two of them or more.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FixedNeighbours {
     /// In ascending order, one entry per fixed body.
     of: Vec<u32>,

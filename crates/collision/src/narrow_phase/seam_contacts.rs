@@ -5,18 +5,30 @@ use crate::narrow_phase::convex_pairs::exact_points;
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::seams::{FLAT, OfCompound, SAME_NORMAL, Seams};
+use crate::narrow_phase::seams::{FLAT, SAME_NORMAL, Seams};
 use frangible_geometry::HalfSpace;
 
 /// Replaces those points of a pair that neighbours of a fixed body cover; `true` if there are any.
 pub(crate) fn mend_seams(
     pair_motion: &PairMotion,
     shapes: [ConvexShape; 2],
-    parts: [OfCompound; 2],
     scratch: &mut Scratch,
     points: &mut Vec<ManifoldPoint>,
 ) -> bool {
-    let Some(seams) = Seams::new(pair_motion, shapes, parts) else { return false };
+    let Some(seams) = Seams::new(pair_motion, shapes, [None; 2]) else { return false };
+    let planes = take_covered(&seams, points);
+    for plane in &planes {
+        let normal = seams.normal_of(plane);
+        if !points.iter().any(|point| point.normal.dot(normal) >= FLAT) {
+            plane_points(&seams, shapes, plane, scratch, points);
+        }
+    }
+    !planes.is_empty()
+}
+
+/// Takes out the points that neighbours of the fixed body cover. Returns the planes to meet
+/// instead, in its frame.
+pub(crate) fn take_covered(seams: &Seams, points: &mut Vec<ManifoldPoint>) -> Vec<HalfSpace> {
     // Points of one normal together.
     let is_same = |a: &ManifoldPoint, b: &ManifoldPoint| a.normal.dot(b.normal) >= SAME_NORMAL;
     let mut groups: Vec<Vec<ManifoldPoint>> = Vec::new();
@@ -26,26 +38,29 @@ pub(crate) fn mend_seams(
             None => groups.push(vec![*point]),
         }
     }
-    let planes: Vec<Option<HalfSpace>> =
-        groups.iter().map(|group| seams.plane_over(group)).collect();
-    if planes.iter().all(Option::is_none) {
-        return false;
-    }
     points.clear();
-    let open = groups.iter().zip(&planes).filter(|(_, plane)| plane.is_none());
-    points.extend(open.flat_map(|(group, _)| group));
-    for plane in planes.into_iter().flatten() {
-        let normal = seams.normal_of(&plane);
-        if points.iter().any(|point| point.normal.dot(normal) >= FLAT) {
-            continue;
+    let mut planes = Vec::new();
+    for group in groups {
+        match seams.plane_over(&group) {
+            Some(plane) => planes.push(plane),
+            None => points.extend(group),
         }
-        let mut shapes = shapes;
-        shapes[seams.side] = ConvexShape::Ground(plane);
-        let mut on_plane = Vec::new();
-        let _ = exact_points(pair_motion, shapes, scratch, &mut on_plane);
-        points.extend(on_plane.into_iter().filter(|point| seams.is_on_face(point, &plane)));
     }
-    true
+    planes
+}
+
+/// Appends the points of the moving body with a plane, as far as faces reach.
+pub(crate) fn plane_points(
+    seams: &Seams,
+    mut shapes: [ConvexShape; 2],
+    plane: &HalfSpace,
+    scratch: &mut Scratch,
+    points: &mut Vec<ManifoldPoint>,
+) {
+    shapes[seams.side] = ConvexShape::Ground(*plane);
+    let mut on_plane = Vec::new();
+    let _ = exact_points(seams.pair_motion, shapes, scratch, &mut on_plane);
+    points.extend(on_plane.into_iter().filter(|point| seams.is_over_face(point, plane)));
 }
 
 #[cfg(test)]

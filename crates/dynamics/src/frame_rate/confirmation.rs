@@ -24,7 +24,7 @@ impl<I: Instructions> Group<I> {
     pub(super) fn confirm(
         &mut self,
         bodies: &Bodies,
-        manifolds: &[Manifold],
+        (manifolds, neighbours): (&[Manifold], &FixedNeighbours),
         (time_left, kick): (f64, Vec3),
         frame: &Frame,
     ) -> Vec<usize> {
@@ -43,9 +43,6 @@ impl<I: Instructions> Group<I> {
 
         let substep = Frame { dt: self.h, ..*frame };
         let (selections, solver_bodies) = (&self.selections, &self.bodies);
-        let pairs = selections.iter().map(|known| manifolds[known.manifold as usize].pair);
-        let of_group = || FixedNeighbours::of_pairs(bodies, pairs);
-        let neighbours = self.speculative.neighbours.get_or_init(of_group);
         let detect = |finder: &mut ManifoldFinder, manifold: u32| {
             let Manifold { pair, points } = manifolds[manifold as usize];
             let lines = selections[first_of(selections, manifold)].lines;

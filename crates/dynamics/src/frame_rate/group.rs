@@ -11,7 +11,7 @@ use super::speculative_contacts::{LOOKS_AGAIN, SpeculativeContacts, is_confirmed
 use super::timeline::Timeline;
 use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame};
-use frangible_collision::{CachedImpulse, Manifold};
+use frangible_collision::{CachedImpulse, FixedNeighbours, Manifold};
 use frangible_math::{Instructions, LANES, Single, prefetch, threads};
 use glam::Vec3;
 use std::cell::OnceCell;
@@ -140,7 +140,12 @@ impl<I: Instructions> Group<I> {
     }
 
     /// All substeps of the frame: gravity, impacts, warm starting, soft sweep, drift, rigid sweep.
-    pub(super) fn run(&mut self, bodies: &Bodies, manifolds: &[Manifold], frame: &Frame) {
+    pub(super) fn run(
+        &mut self,
+        bodies: &Bodies,
+        contacts: (&[Manifold], &FixedNeighbours),
+        frame: &Frame,
+    ) {
         let bounce = (frame.gravity.length() * frame.dt).max(LEAST_BOUNCE);
         let substep = Substep {
             h: Single::splat(self.h),
@@ -157,9 +162,9 @@ impl<I: Instructions> Group<I> {
             let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);
             self.ask(&substep);
-            self.confirm(bodies, manifolds, (time_left, kick), frame);
+            self.confirm(bodies, contacts, (time_left, kick), frame);
             if let Some(timeline) = &mut timeline {
-                self.bounce(timeline, (bodies, manifolds), (time_left, kick), frame, &substep);
+                self.bounce(timeline, (bodies, contacts), (time_left, kick), frame, &substep);
             }
             self.bodies.end_impacts(kick);
             self.sweep(
@@ -170,7 +175,7 @@ impl<I: Instructions> Group<I> {
                 #[inline(always)]
                 |batch, lines| batch.solve::<true>(lines, &substep),
             );
-            for at in self.confirm(bodies, manifolds, (time_left, Vec3::ZERO), frame) {
+            for at in self.confirm(bodies, contacts, (time_left, Vec3::ZERO), frame) {
                 let batch = &mut self.batches[at];
                 let lines = &mut self.bodies.lines(batch.first_line..self.bodies.lines.len());
                 I::run(
@@ -215,7 +220,7 @@ impl<I: Instructions> Group<I> {
     fn bounce(
         &mut self,
         timeline: &mut Timeline,
-        (bodies, manifolds): (&Bodies, &[Manifold]),
+        (bodies, contacts): (&Bodies, (&[Manifold], &FixedNeighbours)),
         now: (f64, Vec3),
         frame: &Frame,
         substep: &Substep<I>,
@@ -229,7 +234,7 @@ impl<I: Instructions> Group<I> {
                 #[inline(always)]
                 || propagate_impacts(batches, solver_bodies, times, asking, &mut visits, substep),
             );
-            if self.confirm(bodies, manifolds, now, frame).is_empty() {
+            if self.confirm(bodies, contacts, now, frame).is_empty() {
                 break;
             }
         }

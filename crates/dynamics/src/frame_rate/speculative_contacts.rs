@@ -5,9 +5,8 @@ use super::constraints::{NEAR, Source};
 use super::contact_batch::ContactBatch;
 use super::touching::Place;
 use frangible_bodies::{Bodies, Frame, Pair};
-use frangible_collision::{FeatureId, FixedNeighbours, Manifold, ManifoldPoint, needs_one_look};
+use frangible_collision::{FeatureId, Manifold, ManifoldPoint, needs_one_look};
 use glam::DVec3;
-use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -42,8 +41,6 @@ pub(super) struct SpeculativeContacts {
     replaced: Vec<Replaced>,
     /// Points of the manifolds that were detected again, by manifold.
     pub(super) points: BTreeMap<u32, Vec<ManifoldPoint>>,
-    /// Fixed bodies of the group's pairs. Built on first use.
-    pub(super) neighbours: OnceCell<FixedNeighbours>,
 }
 
 /// A constraint that was detected again.
@@ -98,7 +95,6 @@ impl SpeculativeContacts {
             confirmed: Vec::new(),
             passing: Vec::new(),
             points: BTreeMap::new(),
-            neighbours: OnceCell::new(),
         }
     }
 

@@ -65,7 +65,7 @@ fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
     for _ in 0..frames {
         let found = find_manifolds(bodies, &all_pairs(bodies), &warm, frame);
         let manifolds: Vec<Manifold> = found.iter().collect();
-        last = solve(bodies, &manifolds, &mut warm, frame);
+        last = solve(bodies, (&manifolds, &found.neighbours), &mut warm, frame);
     }
     last
 }

@@ -79,6 +79,7 @@ pub fn find_impact_chain(
         }
     }
     drop(known);
+    manifolds.neighbours = neighbours;
     manifolds.replace(&found);
 }
 
