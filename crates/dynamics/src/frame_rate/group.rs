@@ -185,7 +185,7 @@ impl<I: Instructions> Group<I> {
             }
             self.end_confirmation();
             self.bodies.drift(self.h as f32, kick.length());
-            self.spin((bodies, manifolds), frame);
+            self.spin((bodies, contacts.0), frame);
             self.sweep(
                 #[inline(always)]
                 |batch, lines| batch.solve::<false>(lines, &substep),
