@@ -144,13 +144,13 @@ pub(super) fn is_confirmed(
 }
 
 /// True if features that come near as one body turns may go through the other: through a fixed
-/// body, which does not give way, or a thin one.
+/// body, or a thin and heavier one, which do not give way.
 pub(super) fn may_pierce(bodies: &Bodies, pair: Pair) -> bool {
     let [first, second] = pair.both();
     let is_pierced_by = |i: usize, other: usize| {
         let (low, high) = bodies.shapes[i].bounds;
-        let thickness = (high - low).min_element();
-        bodies.inertias[i].is_infinite() || thickness < THIN * bodies.radii[other]
+        let is_thin = (high - low).min_element() < THIN * bodies.radii[other];
+        bodies.inertias[i].is_infinite() || is_thin && bodies.masses[i] > bodies.masses[other]
     };
     (is_pierced_by(first, second) || is_pierced_by(second, first))
         && !needs_one_look([first, second].map(|i| &*bodies.shapes[i]))
