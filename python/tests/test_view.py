@@ -227,7 +227,8 @@ import start from "data:text/javascript;base64,WIDGET";
 const { page, chunks, ids, last } = STATE;
 const values = { page, title: "wall", height: 380, picked: null };
 const heard = { "msg:custom": [], "change:picked": [] };
-const blob = (number) => new DataView(Uint8Array.from(atob(chunks[number]), (c) => c.charCodeAt(0)).buffer);
+const bytes = (number) => Uint8Array.from(atob(chunks[number]), (c) => c.charCodeAt(0));
+const blob = (number) => new DataView(bytes(number).buffer);
 const tell = (number) => heard["msg:custom"].forEach((hear) => hear({ number }, [blob(number)]));
 const model = {
   get: (name) => values[name],

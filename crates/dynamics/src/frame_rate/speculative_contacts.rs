@@ -20,9 +20,9 @@ const SLIDES: f64 = 4.0;
 /// hit; with it, and substeps for the turn that impacts give, of one in sixteen.
 pub(super) const LOOKS_AGAIN: f64 = 0.5;
 
-/// Thickness of a body that another one may pierce, relative to the other's radius [1]. With 0.2,
-/// or for all pairs, falling shards take 1.3 or 1.8 times as long.
-const THIN: f64 = 0.05;
+/// Thickness of a body that a lighter one may pierce, relative to the other's radius [1]. With all
+/// pairs, falling shards take 1.8 times as long.
+const THIN: f64 = 0.5;
 
 /// Speculative contacts of a group.
 pub(super) struct SpeculativeContacts {
@@ -143,14 +143,14 @@ pub(super) fn is_confirmed(
         || manifold.points.iter().any(|point| point.rounding[0] < 0.0)
 }
 
-/// True if features that come near as one body turns may go through the other: through a fixed
-/// body, or a thin and heavier one, which do not give way.
+/// True if features that come near as one body turns may go through the other: a thin one that does
+/// not give way, as it is fixed or heavier.
 pub(super) fn may_pierce(bodies: &Bodies, pair: Pair) -> bool {
     let [first, second] = pair.both();
     let is_pierced_by = |i: usize, other: usize| {
         let (low, high) = bodies.shapes[i].bounds;
         let is_thin = (high - low).min_element() < THIN * bodies.radii[other];
-        bodies.inertias[i].is_infinite() || is_thin && bodies.masses[i] > bodies.masses[other]
+        is_thin && bodies.masses[i] > bodies.masses[other]
     };
     (is_pierced_by(first, second) || is_pierced_by(second, first))
         && !needs_one_look([first, second].map(|i| &*bodies.shapes[i]))
