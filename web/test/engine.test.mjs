@@ -223,6 +223,24 @@ test("normals are sharp at edges and smooth on curves", () => {
   for (let i = 0; i < round.positions.length; i++) assert.ok(Math.abs(round.positions[i] / 2 - round.normals[i]) < 0.05);
 });
 
+test("all that a line cuts is undone at once", () => {
+  const { simulator, told, last } = listener();
+  simulator.obey({ kind: "build", story: { scene: sceneOf(CHOICE), actions: [] }, frames: 2 });
+  const [, wall] = last().ids;
+  const cut = (body, height) => simulator.obey({ kind: "do", deed: { cut: { body, point: [0, height, 0], normal: [0, 1, 0] } } });
+  cut(wall, 0.5);
+  simulator.obey({ kind: "step", frames: 1 });
+  const two = last();
+  assert.equal(two.ids.length, 3);
+  // Another line crosses both halves.
+  for (const half of two.ids.slice(1)) simulator.obey({ kind: "do", deed: { cut: { body: half, point: [0.2, 0.5, 0], normal: [1, 0, 0] } } });
+  simulator.obey({ kind: "step", frames: 1 });
+  assert.equal(last().ids.length, 5);
+  simulator.obey({ kind: "undo" });
+  assert.equal(told.at(-1).story.actions.length, 1);
+  simulator.obey({ kind: "step", frames: 1 });
+  assert.equal(last().ids.length, 3);
+});
 test("footage shows each frame as the world told it, and forgets what is undone", () => {
   const { simulator, states } = listener();
   simulator.obey({ kind: "build", story: STORY, frames: 12 });

@@ -215,6 +215,11 @@ for (const file of ["story.json", "deeds.json"])
     const found = await until(page, ({ frame }) => frame === String(frames));
     assert.equal(found.hash, hash);
     await page.screenshot({ path: join(PICTURES, file.replace("json", "png")) });
+    // Begun again it is the world of the link, also by a key while a button has the focus.
+    await page.focus("#share");
+    await page.keyboard.press("r");
+    const start = await until(page, ({ frame, bodies }) => Number(frame) < frames && Number(bodies) < Number(found.bodies));
+    assert.ok(Number(start.bodies) >= JSON.parse(story.scene).bodies.length);
     assert.deepEqual(page.faults, []);
     await page.close();
   });
@@ -230,6 +235,22 @@ test("a mesh that is dropped breaks", { skip, timeout: 400_000 }, async () => {
   const found = await until(page, ({ bodies }) => Number(bodies) > 10);
   assert.ok(Number(found.bodies) > 10);
   await page.screenshot({ path: join(PICTURES, "notch.png") });
+  // A glTF file with its buffer in itself: a tetrahedron.
+  const corners = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]).buffer);
+  const sides = Buffer.from(new Uint16Array([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]).buffer);
+  const uri = `data:application/octet-stream;base64,${Buffer.concat([corners, sides]).toString("base64")}`;
+  const gltf = {
+    asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 4, type: "VEC3", min: [0, 0, 0], max: [1, 1, 1] },
+      { bufferView: 1, componentType: 5123, count: 12, type: "SCALAR" },
+    ],
+    bufferViews: [{ buffer: 0, byteLength: 48 }, { buffer: 0, byteOffset: 48, byteLength: 24 }],
+    buffers: [{ uri, byteLength: 72 }],
+  };
+  await page.setInputFiles("#file", { name: "embedded.gltf", mimeType: "model/gltf+json", buffer: Buffer.from(JSON.stringify(gltf)) });
+  await until(page, ({ bodies }) => bodies === "3");
   await page.setInputFiles("#file", { name: "empty.obj", mimeType: "text/plain", buffer: Buffer.from("v 0 0 0\n") });
   await page.waitForFunction(() => document.getElementById("message").textContent === "empty.obj: holds no triangles, must be a mesh");
   assert.deepEqual(page.faults, []);

@@ -8,7 +8,7 @@ import { LiveFootage } from "./live";
 import type { Order, Story, Told } from "./protocol";
 import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, SHOTS, sceneOf } from "./recipe";
 import { download, film, filmKind, piecesAsGltf } from "./save";
-import { LONGEST, decode, encode } from "./share";
+import { LONGEST, MOST_FRAMES, decode, encode } from "./share";
 import { ball } from "./simulator";
 import { TOOLS, type Tool, Tools } from "./tools";
 
@@ -37,6 +37,8 @@ class Playground {
   private story: Story = { scene: "", actions: [] };
   private busy = 0;
   private dropped: Dropped | null = null;
+  /** The story of a link, until something else is chosen. */
+  private opened: Story | null = null;
   /** Number of balls. */
   throws = 0;
   /** Whether the next frame is shown as soon as it is made. */
@@ -67,6 +69,7 @@ class Playground {
 
   /** Begin with a story, and stop at a frame of it. */
   open(story: Story, frames: number): void {
+    this.opened = story;
     this.opening = frames;
     this.throws = story.actions.length;
     this.order({ kind: "build", story, frames });
@@ -75,6 +78,12 @@ class Playground {
   /** Build what is chosen, and throw the first ball; a shot has its own. */
   reset(): void {
     this.tools.drop();
+    if (this.opened !== null) {
+      const { scene, actions } = this.opened;
+      const story = { scene, actions: actions.filter((action) => action.frame === 0) };
+      this.throws = story.actions.length;
+      return this.order({ kind: "build", story, frames: 0 });
+    }
     const name = select("shape").value;
     for (const id of ["material", "pattern", "pieces", "strength"]) (element(id) as HTMLInputElement).disabled = name in SHOTS;
     this.throws = 0;
@@ -85,6 +94,12 @@ class Playground {
     const story = { scene, actions: [{ frame: 0, add: ball(radius, from, velocity, 1) }] };
     this.order({ kind: "build", story, frames: 0 });
     if (this.player === null) this.order({ kind: "step", ...HEAD_START });
+  }
+
+  /** Build what the menu says, no longer what a link told. */
+  private choose(): void {
+    this.opened = null;
+    this.reset();
   }
 
   order(order: Order): void {
@@ -101,6 +116,7 @@ class Playground {
       case "built":
         hush();
         this.footage = null;
+        this.durations = [];
         this.fps = told.framesPerSecond;
         return;
       case "frame":
@@ -214,7 +230,7 @@ class Playground {
   }
 
   private listen(): void {
-    for (const id of ["shape", "material", "pattern", "pieces", "strength"]) element(id).addEventListener("change", () => this.reset());
+    for (const id of ["shape", "material", "pattern", "pieces", "strength"]) element(id).addEventListener("change", () => this.choose());
     element("reset").addEventListener("click", () => this.reset());
     element("undo").addEventListener("click", () => this.order({ kind: "undo" }));
     element("play").addEventListener("click", () => this.player?.clock.toggle());
@@ -246,7 +262,10 @@ class Playground {
   }
 
   private key(event: KeyboardEvent): void {
-    if (event.target instanceof HTMLElement && event.target.matches("select, input, button")) return;
+    const { target } = event;
+    if (target instanceof HTMLElement && target.matches("select, input")) return;
+    // Space and Enter press the button that has the focus.
+    if (target instanceof HTMLButtonElement && (event.key === " " || event.key === "Enter")) return;
     const keys: Record<string, () => void> = {
       " ": () => this.player?.clock.toggle(),
       Enter: () => this.tools.use(),
@@ -297,6 +316,7 @@ class Playground {
 
   private async share(): Promise<void> {
     const frames = this.footage?.frames ?? 0;
+    if (frames > MOST_FRAMES) return say(`This world is too old for a link: it must have at most ${MOST_FRAMES} frames.`, 6000);
     const text = await encode(this.story);
     if (text.length > LONGEST) return say("This world is too long for a link: a dropped mesh must have fewer triangles.");
     const link = `${location.href.split("#")[0]}#frames=${frames}&story=${text}`;
@@ -321,9 +341,12 @@ class Playground {
     if (menu.querySelector('[value="dropped"]') === null) menu.append(new Option("", "dropped"));
     menu.querySelector('[value="dropped"]')!.textContent = file.name;
     menu.value = "dropped";
-    this.reset();
+    this.choose();
   }
 }
+
+/** What a file says of itself may have megabytes [characters]. */
+const LONGEST_SENTENCE = 240;
 
 let silence = 0;
 
@@ -336,7 +359,7 @@ function hush(): void {
 function say(sentence: string, milliseconds = 0): void {
   clearTimeout(silence);
   silence = 0;
-  element("message").textContent = sentence;
+  element("message").textContent = sentence.length > LONGEST_SENTENCE ? `${sentence.slice(0, LONGEST_SENTENCE)} …` : sentence;
   element("message").hidden = sentence === "";
   if (milliseconds > 0) silence = setTimeout(() => say(""), milliseconds) as unknown as number;
 }
@@ -344,6 +367,8 @@ function say(sentence: string, milliseconds = 0): void {
 /** Begin with what the address asks for. */
 export async function open(worker: Worker): Promise<void> {
   const playground = new Playground(element("view") as HTMLCanvasElement, worker);
+  // Another link in the address is another world.
+  addEventListener("hashchange", () => location.reload());
   const asked = new URLSearchParams(location.hash.slice(1));
   const story = asked.get("story");
   if (story === null) return playground.reset();
@@ -352,5 +377,5 @@ export async function open(worker: Worker): Promise<void> {
     say("The link is damaged: here is a wall instead.", 4000);
     return playground.reset();
   }
-  playground.open(told, Math.min(Math.max(Number(asked.get("frames")) || 0, 0), 3600));
+  playground.open(told, Math.min(Math.max(Number(asked.get("frames")) || 0, 0), MOST_FRAMES));
 }

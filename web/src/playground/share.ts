@@ -4,6 +4,9 @@ import type { Story } from "./protocol";
 /** A longer link is refused by some of the programs that links go through [characters]. */
 export const LONGEST = 60_000;
 
+/** A longer story is not opened: a link must not simulate for ever [frames]. */
+export const MOST_FRAMES = 36_000;
+
 /** Deflated JSON in base64 with characters that links may have. */
 export async function encode(story: Story): Promise<string> {
   const bytes = new TextEncoder().encode(JSON.stringify(story));
@@ -32,7 +35,7 @@ const DEEDS = ["add", "hold", "letGo", "cut", "burst"];
 function isAction(value: unknown): boolean {
   const { frame, ...deed } = (value ?? {}) as { frame?: unknown };
   const [name, ...more] = Object.keys(deed);
-  return Number.isSafeInteger(frame) && (frame as number) >= 0 && name !== undefined && more.length === 0 && DEEDS.includes(name) && isDeed(Object.values(deed)[0], name);
+  return Number.isSafeInteger(frame) && (frame as number) >= 0 && (frame as number) <= MOST_FRAMES && name !== undefined && more.length === 0 && DEEDS.includes(name) && isDeed(Object.values(deed)[0], name);
 }
 
 function isDeed(value: unknown, name: string): boolean {

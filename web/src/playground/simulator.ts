@@ -90,7 +90,7 @@ export class Simulator {
     }
     if (!changed) return;
     this.story = { ...this.story, actions: [...actions, action] };
-    // All of a drag is undone at once.
+    // All of a drag is undone at once, and all that a line cut.
     if (goesOn(action, actions)) return before.snapshot.free();
     this.undos.push(before);
     if (this.undos.length > MOST_UNDOS) this.undos.shift()!.snapshot.free();
@@ -127,8 +127,12 @@ function does(world: World, deed: Deed): boolean {
 
 const numbers = (values: number[]): Float64Array => Float64Array.from(values);
 
-/** Whether an action is part of the drag that the ones before began. */
+/** Whether an action is part of the drag, or of the line over many pieces, that the ones before began. */
 function goesOn(action: Action, before: readonly Action[]): boolean {
+  if ("cut" in action) {
+    const last = before.at(-1);
+    return last !== undefined && "cut" in last && last.frame === action.frame;
+  }
   const body = "hold" in action ? action.hold.body : "letGo" in action ? action.letGo : -1;
   const isOfIt = (one: Action): boolean => ("hold" in one && one.hold.body === body) || ("letGo" in one && one.letGo === body);
   const last = before.filter(isOfIt).at(-1);
