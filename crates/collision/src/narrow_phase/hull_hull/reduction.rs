@@ -42,10 +42,11 @@ pub(crate) fn reduce(
     });
 
     // On the ground all points may stay; between two hulls even few points are reduced by area.
-    let all_stay = most > FEW_POINTS && points.len() <= most;
+    if most > FEW_POINTS && points.len() <= most {
+        return;
+    }
 
-    // Chosen points move to the front, in order; the others keep their order. The first four make a
-    // constraint that bears, and bounces, without the others.
+    // Chosen points move to the front, in order; the others keep their order.
     let deepest = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
     let least =
         points.iter().map(|point| SOMEWHERE.dot(middle(point))).fold(f64::INFINITY, f64::min)
@@ -86,9 +87,7 @@ pub(crate) fn reduce(
             sides.clone().find(|&side| beyond(side, &next) == most_beyond(&next)).unwrap_or(0);
         around.insert(side + 1, next);
     }
-    if !all_stay {
-        points.truncate(taken);
-    }
+    points.truncate(taken);
 }
 
 /// Point with the highest positive score.
