@@ -36,6 +36,8 @@ const CHEAPEST = LEVELS.length - 1;
 const REST = 300;
 const WAITS = 2000;
 const SHARP = 1;
+/** Way of the eye, relative to its distance, within which it stands still: rounding moves it, and pictures never settled. */
+const SAME_VIEW = 1e-7;
 
 /** No more is drawn here: the driver took the context away. */
 export type OnLost = () => void;
@@ -75,6 +77,9 @@ export class Player {
   /** Height of what covers the lower edge [CSS px]. */
   private covered = 0;
   private state = "";
+  private readonly eye = new Vector3();
+  private readonly target = new Vector3();
+  private turns = 0;
 
   constructor(
     footage: Footage,
@@ -203,7 +208,7 @@ export class Player {
     const duration = now - this.last;
     this.last = now;
     this.orbit.update();
-    const state = [this.clock.time, this.explode, this.picked, ...this.camera.position.toArray(), ...this.orbit.target.toArray(), this.level].join();
+    const state = [this.clock.time, this.explode, this.picked, this.turnsOfView(), this.level].join();
     const looks = this.stage?.uniforms.pieces.value;
     const isPainted = looks !== undefined && this.painter?.paint(numbers(looks), this.clock.time, this.picked) === true;
     if (isPainted) looks.needsUpdate = true;
@@ -225,6 +230,18 @@ export class Player {
       return;
     }
     this.draw();
+  }
+
+  /** Number of times that the eye or what it looks at has moved: the controls round both in every picture. */
+  private turnsOfView(): number {
+    const { camera, orbit, eye, target } = this;
+    const moved = camera.position.distanceTo(eye) + orbit.target.distanceTo(target);
+    if (moved > SAME_VIEW * camera.position.distanceTo(orbit.target)) {
+      eye.copy(camera.position);
+      target.copy(orbit.target);
+      this.turns++;
+    }
+    return this.turns;
   }
 
   private draw(): void {

@@ -1,8 +1,8 @@
 //! Least overlap of two cores: over all normals of faces and across an edge of each, and where rims
 //! are edges over all normals across them.
 //!
-//! What is deepest overlaps least along a normal that belongs to a face of either, or to an edge of
-//! each. Corners give finitely many. A rim on an edge leaves one angle free, and so does a round
+//! The least overlap lies along a normal that belongs to a face of either, or to an edge of each.
+//! Corners give finitely many. A rim on an edge leaves one angle free, and so does a round
 //! side on any other body: these are tried in steps, and ever closer around each valley. Two rims
 //! leave two angles: directions all over the sphere, denser around the axes, and a search around the
 //! best of them.

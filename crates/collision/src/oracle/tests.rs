@@ -130,8 +130,8 @@ fn all_kinds() -> impl Iterator<Item = [Kind; 2]> {
     })
 }
 
-/// Some pairs of each two kinds, hulls that are nearly none among them. Manifolds of compounds leave out points that neighbouring
-/// parts cover, also the deepest.
+/// Some pairs of each two kinds, hulls that are nearly none among them. Manifolds of compounds leave
+/// out points that neighbouring parts cover, also the deepest.
 #[test]
 fn separations_are_those_of_the_oracle() {
     for kinds in all_kinds() {

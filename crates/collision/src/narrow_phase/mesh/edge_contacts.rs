@@ -95,7 +95,7 @@ struct EdgePair<'a, F> {
     /// Of the mesh's edge [m], and its direction.
     ends: [DVec3; 2],
     along: DVec3,
-    /// What is known of it where it is met.
+    /// The mesh edge where the hull meets it; made on first use.
     edge: &'a LazyCell<Option<MeshEdge>, F>,
     id: u64,
 }

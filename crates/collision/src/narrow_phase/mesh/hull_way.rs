@@ -64,7 +64,7 @@ impl Way {
 impl<'a> HullWay<'a> {
     pub(crate) fn new(motion: &'a MeshMotion<'a>, hull: &'a Hull, inside: DVec3) -> Self {
         let supported = motion.is_borne.then(|| Way::new(&motion.supported, hull, true));
-        // What nothing holds up is as free on the way along what it touches.
+        // A body that nothing bears is as free on the way along its contacts.
         let flight = Way::new(&motion.instants, hull, !motion.is_borne);
         Self { motion, hull, inside, flight, supported }
     }

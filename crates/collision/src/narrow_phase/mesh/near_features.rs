@@ -38,8 +38,8 @@ pub(crate) struct NearEdge {
     pub(crate) near_faces: u64,
 }
 
-/// Part of the speculative margin by which features are looked for further [1]: those that were found
-/// before it is known what holds a body up are then, nearly always, those of the way along that.
+/// Part of the speculative margin by which features are looked for further [1]: those of the free
+/// flight are then, nearly always, also those of the way along the triangles that bear the body.
 const SPARE: f64 = 0.25;
 
 /// A bit for a face; faces of large hulls share them.
@@ -87,7 +87,7 @@ struct Scratch {
     cuts: Vec<Cut>,
 }
 
-/// What was left out at a face.
+/// Features that a face leaves out.
 #[derive(Clone, Copy)]
 struct Cut {
     /// True if anything lay beyond its reach.

@@ -30,7 +30,7 @@ pub(crate) struct Nearby {
     around: [DVec3; 2],
 }
 
-/// What lies in a box.
+/// Triangles in a box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Holds {
     Nothing,
@@ -110,12 +110,8 @@ impl Nearby {
     ) {
         if !self.covers(low, high) {
             mesh.visit_box(low, high, |index| visit(&NearTriangle::of(mesh, index)));
-        } else if meet([low, high], self.around) {
-            for (triangle, own) in &self.listed {
-                if meet([low, high], *own) {
-                    visit(triangle);
-                }
-            }
+        } else {
+            self.visit_listed([low, high], visit);
         }
     }
 
@@ -132,12 +128,17 @@ impl Nearby {
         let (low, high) = (way[0].min(way[1]) - margin, way[0].max(way[1]) + margin);
         if !self.covers(low, high) {
             mesh.visit_way(way, margin, |index| visit(&NearTriangle::of(mesh, index)));
-        } else if meet([low, high], self.around) {
-            for (triangle, own) in &self.listed {
-                if meet([low, high], *own) {
-                    visit(triangle);
-                }
-            }
+        } else {
+            self.visit_listed([low, high], visit);
+        }
+    }
+
+    /// Calls `visit` with all listed triangles whose boxes meet a box [m].
+    #[inline]
+    fn visit_listed(&self, of_box: [DVec3; 2], mut visit: impl FnMut(&NearTriangle)) {
+        if meet(of_box, self.around) {
+            let met = self.listed.iter().filter(|(_, own)| meet(of_box, *own));
+            met.for_each(|(triangle, _)| visit(triangle));
         }
     }
 }

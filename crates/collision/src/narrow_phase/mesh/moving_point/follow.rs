@@ -3,11 +3,11 @@
 use crate::narrow_phase::mesh::moving_point::{Leg, Meeting, MovingPoint, SAME_NORMAL};
 use glam::DVec3;
 
-/// Touches after which a point goes no further in a frame: two walls and a floor, and one more.
+/// Number of touches after which a point goes no further in a frame: two walls and a floor, and one more.
 const MOST_TOUCHES: usize = 4;
 
-/// The same of what bounces: at 200 m/s and 30 Hz a ball crosses a room of 2 m three times each way.
-/// With 4, and without a second touch of a wall, 8 % of such balls left the room in a second.
+/// The same of balls that bounce: at 200 m/s and 30 Hz one crosses a room of 2 m three times each
+/// way. With 4, and without a second touch of a wall, 8 % of such balls left the room in a second.
 const MOST_BOUNCES: usize = 16;
 
 impl MovingPoint<'_> {
@@ -47,7 +47,7 @@ impl MovingPoint<'_> {
             self.meetings(&leg, (at, false), &mut ahead);
             ahead.retain(|meeting| {
                 let is_known = |known: &Meeting| known.normal.dot(meeting.normal) > SAME_NORMAL;
-                // What bounces may come back.
+                // A ball that bounces may come back.
                 meeting.normal.dot(rest) < 0.0 && (bounces || !found.iter().any(is_known))
             });
             let Some(later) = earliest(&ahead) else { break };
@@ -60,9 +60,9 @@ impl MovingPoint<'_> {
         at + rest
     }
 
-    /// What a ball overlaps besides at the frame's start, and would go into from a point on the rest
-    /// of its way: on the way itself the deep inside of a triangle is met by nobody. A ball that was
-    /// deep in a floor and a wall met the ceiling at no speed.
+    /// Another triangle that a ball overlaps at the frame's start, and goes further into on the rest
+    /// of its way: a sweep meets no triangle that it starts deep in. A ball that was deep in a floor and a
+    /// wall met the ceiling at no speed.
     fn other_overlap(
         &self,
         flight: &[Meeting],
