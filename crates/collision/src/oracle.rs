@@ -4,8 +4,11 @@
 //! A convex body is a *core* (points, or two discs on an axis) and a rounding. Along a unit normal
 //! two cores are apart by what their supports leave between them; their separation is the largest of
 //! these numbers over all normals [Gregorius13]. Cores apart: nearest points of both, until support
-//! points prove the distance (error below 1e-10 of the size). Cores that overlap: every normal of a
-//! face of either, and every normal across an edge of each, where rims are edges in all directions:
+//! points prove the distance. Cores that overlap: a polytope in their difference, until its surface
+//! proves that no normal separates further. Both are good to 1e-8 of the smaller body, or better.
+//!
+//! Where rounding leaves no proof, in one of a hundred pairs at most, all normals are tried that can
+//! be best: of a face of either, and across an edge of each, where rims are edges in all directions:
 //! first in steps, and then ever smaller steps around the best. The number given is attained by a
 //! normal, so true overlaps are never deeper than it says; they are shallower only if the steps
 //! miss a valley. Where cores have no rims all normals are tried, and the error is rounding.
@@ -14,6 +17,7 @@ pub(crate) mod body;
 pub(crate) mod depth;
 pub(crate) mod distance;
 pub(crate) mod draw;
+pub(crate) mod polytope;
 pub(crate) mod refine;
 
 use body::Convex;
@@ -39,6 +43,7 @@ const NEARLY: f64 = 1e-3;
 pub(crate) fn truth(first: &Convex, second: &Convex) -> Truth {
     let (of_cores, normal) = match distance::distance(first, second) {
         Some(Distance { least, normal, is_proved: true }) => (least, normal),
+        Some(_) | None if let Some(proved) = polytope::least_overlap(first, second) => proved,
         Some(Distance { least, normal, .. }) => refine::refine(first, second, (least, normal)),
         None => {
             let found = depth::least_overlap(first, second);
