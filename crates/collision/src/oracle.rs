@@ -17,7 +17,7 @@ pub(crate) mod body;
 pub(crate) mod depth;
 pub(crate) mod distance;
 pub(crate) mod draw;
-pub(crate) mod polytope;
+pub(crate) mod proof;
 pub(crate) mod refine;
 
 use body::Convex;
@@ -43,7 +43,7 @@ const NEARLY: f64 = 1e-3;
 pub(crate) fn truth(first: &Convex, second: &Convex) -> Truth {
     let (of_cores, normal) = match distance::distance(first, second) {
         Some(Distance { least, normal, is_proved: true }) => (least, normal),
-        Some(_) | None if let Some(proved) = polytope::least_overlap(first, second) => proved,
+        Some(_) | None if let Some(proved) = proof::least_overlap(first, second) => proved,
         Some(Distance { least, normal, .. }) => refine::refine(first, second, (least, normal)),
         None => {
             let found = depth::least_overlap(first, second);

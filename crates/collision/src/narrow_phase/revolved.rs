@@ -10,6 +10,7 @@ pub(crate) mod overlap;
 pub(crate) mod partner;
 pub(crate) mod placed;
 pub(crate) mod points;
+pub(crate) mod polytope;
 pub(crate) mod round_overlap;
 pub(crate) mod round_point;
 pub(crate) mod search;

@@ -6,10 +6,17 @@
 
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
+use crate::narrow_phase::revolved::polytope::least_reach;
 use crate::narrow_phase::revolved::round_overlap::{across_both, rims};
 use crate::narrow_phase::revolved::search::{Search, least_along};
 use frangible_geometry::Hull;
 use glam::DVec3;
+
+/// The least reach of the difference is searched for to this part of the smaller body's size.
+const POINTED: f64 = 1e-9;
+
+/// Faces that a closer search begins at.
+const BEGINNINGS: usize = 6;
 
 /// Normals tried along the arc of an edge's normals, to find the deepest of several.
 const ON_ARC: usize = 8;
@@ -39,11 +46,17 @@ impl Search<'_> {
         }
     }
 
-    /// All other normals.
-    pub(crate) fn pointed(&mut self) {
-        match self.partner {
+    /// All other normals: the one along which the difference of both reaches least far, and what
+    /// is better near the faces around it.
+    pub(crate) fn pointed(&mut self, size: f64) {
+        let (round, partner) = (self.round, self.partner);
+        let support = |way: DVec3| partner.support(way) - round.support(-way);
+        // The difference of two segments is flat: all its normals are offered as flat ones.
+        let Some(least) = least_reach(support, POINTED * size) else { return };
+        self.offer(least.direction);
+        match partner {
             Partner::Hull(hull) => self.rim_on_edges(hull),
-            Partner::Revolved(other) => rims(self, other),
+            Partner::Revolved(other) => rims(self, other, &least.nearest_faces(BEGINNINGS)),
             Partner::Plane(_) => {}
         }
     }

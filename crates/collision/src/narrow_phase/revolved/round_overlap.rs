@@ -8,14 +8,8 @@ use std::f64::consts::TAU;
 /// Normals tried around each axis, to find the deepest of several.
 const AROUND: usize = 24;
 
-/// Rings of normals around the axis to begin Newton's method at: their angles from the side [deg],
-/// denser near the ends, where rims of nearly parallel discs meet; and normals of each.
-const RINGS: [f64; 10] = [-88.0, -82.0, -65.0, -40.0, -15.0, 15.0, 40.0, 65.0, 82.0, 88.0];
-const ON_RING: usize = 16;
-
-/// Steps of Newton's method on the sphere of normals, and beginnings.
+/// Steps of Newton's method on the sphere of normals.
 const NEWTON_STEPS: usize = 30;
-const BEGINNINGS: usize = 6;
 
 /// Axes within this sine are parallel [1].
 const PARALLEL: f64 = 1e-9;
@@ -53,7 +47,7 @@ fn on_both_sides(round: &PlacedRevolved, other: &PlacedRevolved) -> [Option<DVec
 }
 
 /// A rim of either body on the other's side or rim.
-pub(crate) fn rims(search: &mut Search, other: &PlacedRevolved) {
+pub(crate) fn rims(search: &mut Search, other: &PlacedRevolved, begin: &[DVec3]) {
     let round = *search.round;
     // Around the circles of both sides' normals.
     for (body, sign) in [(&round, -1.0), (other, 1.0)] {
@@ -67,24 +61,8 @@ pub(crate) fn rims(search: &mut Search, other: &PlacedRevolved) {
     }
 
     // Rim on rim: smooth between the ends and the side.
-    let mut begin = [(f64::INFINITY, DVec3::Y); BEGINNINGS];
-    let beside = round.axis.cross(round.across);
-    for angle in RINGS.map(f64::to_radians) {
-        let (across, along) = (libm::cos(angle), libm::sin(angle));
-        for step in 0..ON_RING {
-            let turn = TAU * step as f64 / ON_RING as f64;
-            let radial = libm::cos(turn) * round.across + libm::sin(turn) * beside;
-            let normal = across * radial + along * round.axis;
-            let depth = search.overlap(normal);
-            if depth < begin[BEGINNINGS - 1].0 {
-                begin[BEGINNINGS - 1] = (depth, normal);
-                begin.sort_by(|a, b| a.0.total_cmp(&b.0));
-            }
-        }
-    }
-    for (_, normal) in begin {
-        let normal = descend(search, other, normal);
-        search.offer(normal);
+    for &normal in begin {
+        search.offer(descend(search, other, normal));
     }
 }
 

@@ -30,7 +30,7 @@ pub(crate) fn separation(
     }
     let mut search = Search::new(round, partner, 0.0);
     search.flat();
-    search.pointed();
+    search.pointed(size);
     overlapping(&search)
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn contact_separation(
         None if search.depth <= SHALLOW * close => return overlapping(&search),
         None => {}
     }
-    search.pointed();
+    search.pointed(size);
     overlapping(&search)
 }
 
