@@ -83,8 +83,8 @@ float lampShare(vec3 point, vec3 n) {
   if (hasGlass) {
     float clear = 0.0, turn = patternTurn();
     for (int i = 0; i < 4; i++)
-      vec2 beside = lampReach.z / lampReach.x * disk(i, 4, turn);
-      clear += step(at.z, texture(glassDepth, at.xy + beside).r);
+      clear += step(
+        at.z, texture(glassDepth, at.xy + lampReach.z / lampReach.x * disk(i, 4, turn)).r);
     share *= mix(GLASS_SHADOW, 1.0, clear / 4.0);
   }
   return mix(share, 1.0, smoothstep(0.85, 1.0, max(away.x, away.y)));
