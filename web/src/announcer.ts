@@ -21,7 +21,8 @@ export class Announcer {
     const now = performance.now();
     if (playing) {
       // Frames go by faster than words.
-      if (this.timer === 0) this.timer = window.setTimeout(() => this.say(), Math.max(PAUSE - (now - this.last), REST));
+      if (this.timer === 0)
+        this.timer = window.setTimeout(() => this.say(), Math.max(PAUSE - (now - this.last), REST));
       return;
     }
     window.clearTimeout(this.timer);

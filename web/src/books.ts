@@ -4,7 +4,16 @@ import type { Strike } from "./recording";
 import type { Blob32 } from "./streams";
 
 /** What changes the energy of dynamic bodies, in the order of the streams. */
-export const CAUSES = ["work", "collision", "contact", "friction", "projection", "fracture", "balance", "flight"] as const;
+export const CAUSES = [
+  "work",
+  "collision",
+  "contact",
+  "friction",
+  "projection",
+  "fracture",
+  "balance",
+  "flight",
+] as const;
 export type Cause = (typeof CAUSES)[number] | "started";
 
 /** Of all dynamic bodies after a step [J]. */
@@ -32,11 +41,18 @@ export function readBooks(blob: Blob32, into: Books): void {
     CAUSES.forEach((cause, column) => (changes[cause] = causes[column]![row]!));
     into.energy.push({ frame, kinetic: kinetic![row]!, potential: potential![row]!, changes });
   });
-  const [body, striker, pieces] = ["break_body", "break_striker", "break_pieces"].map((name) => blob.column(name));
+  const [body, striker, pieces] = ["break_body", "break_striker", "break_pieces"].map((name) =>
+    blob.column(name),
+  );
   const [impulse, energy] = blob.columns("break_figures").map(floats);
   blob.column("break_frame").forEach((frame, row) => {
     into.strikes.push({
-      frame, body: body![row]!, striker: striker![row]!, pieces: pieces![row]!, impulse: impulse![row]!, energy: energy![row]!,
+      frame,
+      body: body![row]!,
+      striker: striker![row]!,
+      pieces: pieces![row]!,
+      impulse: impulse![row]!,
+      energy: energy![row]!,
     });
   });
 }

@@ -19,10 +19,15 @@ const SHARE = 0.98;
 const ASKED = 12;
 /** Forces are shown over so many powers of ten. */
 const DECADES = 4;
-/** Of Viridis (S. van der Walt and N. Smith, 2015), sRGB: brightness alone tells the value, for any colour vision. */
+/**
+ * Of Viridis (S. van der Walt and N. Smith, 2015), sRGB: brightness alone tells the value, for any
+ * colour vision.
+ */
 const VIRIDIS = [0x440154, 0x46327e, 0x365c8d, 0x277f8e, 0x1fa187, 0x4ac16d, 0xa0da39, 0xfde725];
 /** Generations, told apart with any colour vision (M. Okabe and K. Ito, 2008), sRGB. */
-const GENERATIONS = [0xb8bec7, 0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7, 0xd55e00, 0xf0e442, 0x0072b2];
+const GENERATIONS = [
+  0xb8bec7, 0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7, 0xd55e00, 0xf0e442, 0x0072b2,
+];
 /** What has no value, linear. */
 const NONE = [0.1, 0.11, 0.12] as const;
 /** Flags of a body's look that the shaders know. */
@@ -47,8 +52,19 @@ export class Colouring {
   paint(looks: Float32Array, time: number, picked: number): boolean {
     const frame = Math.floor(time + 1e-6);
     const step = this.motion.stepAt(time);
-    const moment = this.quantity === "age" ? frame : this.quantity === "speed" || this.quantity === "force" ? step : 0;
-    const state = [this.quantity, moment, picked, this.footage.bodies.length, this.scale()?.high].join();
+    const moment =
+      this.quantity === "age"
+        ? frame
+        : this.quantity === "speed" || this.quantity === "force"
+          ? step
+          : 0;
+    const state = [
+      this.quantity,
+      moment,
+      picked,
+      this.footage.bodies.length,
+      this.scale()?.high,
+    ].join();
     if (state === this.painted && looks === this.target) return false;
     [this.painted, this.target] = [state, looks];
     this.footage.bodies.forEach((body, row) => {
@@ -64,7 +80,12 @@ export class Colouring {
     const { quantity, footage } = this;
     if (quantity !== "speed" && quantity !== "age" && quantity !== "force") return null;
     const known = this.scaled;
-    if (known !== null && known.quantity === quantity && (known.frames === footage.frames || footage.frames < 1.3 * known.frames)) return known.scale;
+    if (
+      known !== null &&
+      known.quantity === quantity &&
+      (known.frames === footage.frames || footage.frames < 1.3 * known.frames)
+    )
+      return known.scale;
     this.scaled = { quantity, frames: footage.frames, scale: this.measured(quantity) };
     return this.scaled.scale;
   }
@@ -101,7 +122,13 @@ export class Colouring {
 
   private measured(quantity: "speed" | "age" | "force"): Scale {
     const { footage, motion } = this;
-    if (quantity === "age") return { low: 0, high: Math.max(footage.frames, 1) / footage.fps, unit: "s", isLogarithmic: false };
+    if (quantity === "age")
+      return {
+        low: 0,
+        high: Math.max(footage.frames, 1) / footage.fps,
+        unit: "s",
+        isLogarithmic: false,
+      };
     const values: number[] = [];
     for (let asked = 1; asked <= ASKED; asked++) {
       const step = motion.stepAt((asked * footage.frames) / ASKED);
@@ -129,7 +156,9 @@ function hue(id: number): number[] {
   return [0, 8, 4].map((shift) => {
     // HSL to sRGB.
     const k = (shift + turn * 12) % 12;
-    return linear(light - 0.6 * Math.min(light, 1 - light) * Math.max(-1, Math.min(k - 3, 9 - k, 1)));
+    return linear(
+      light - 0.6 * Math.min(light, 1 - light) * Math.max(-1, Math.min(k - 3, 9 - k, 1)),
+    );
   });
 }
 

@@ -5,3 +5,6 @@ export function element(id: string): HTMLElement {
   if (found === null) throw new Error(`the page has no ${id}`);
   return found;
 }
+
+export const input = (id: string): HTMLInputElement => element(id) as HTMLInputElement;
+export const select = (id: string): HTMLSelectElement => element(id) as HTMLSelectElement;

@@ -25,7 +25,9 @@ type Row = Record<Layer, number> & { frame: number };
 
 export class EnergyGraph {
   private readonly rows: Row[] = [];
-  private readonly taken = Object.fromEntries([...CAUSES, "started"].map((cause) => [cause, 0])) as Record<Cause, number>;
+  private readonly taken = Object.fromEntries(
+    [...CAUSES, "started"].map((cause) => [cause, 0]),
+  ) as Record<Cause, number>;
   private lowest = Infinity;
   /** The highest sum, and what is named, of so many rows. */
   private summed = { rows: -1, high: 0, named: [] as Layer[] };
@@ -46,7 +48,9 @@ export class EnergyGraph {
     return this.books.energy.length === 0;
   }
 
-  /** Draw it for so many frames, with a hand at a time; where it is not shown the words are as true. */
+  /**
+   * Draw it for so many frames, with a hand at a time; where it is not shown the words are as true.
+   */
   show(time: number, frames: number): void {
     this.takeIn();
     if (this.isEmpty) return;
@@ -75,7 +79,9 @@ export class EnergyGraph {
   }
 
   private takeIn(): void {
-    for (const { frame, kinetic, potential, changes } of this.books.energy.slice(this.rows.length)) {
+    for (const { frame, kinetic, potential, changes } of this.books.energy.slice(
+      this.rows.length,
+    )) {
       const row = { frame, kinetic, potential } as Row;
       for (const cause of CAUSES) this.taken[cause] -= changes[cause];
       for (const [layer] of LAYERS.slice(2)) row[layer] = this.taken[layer as Cause];
@@ -93,9 +99,12 @@ export class EnergyGraph {
   private get sums(): { high: number; named: Layer[] } {
     const { rows } = this;
     if (this.summed.rows === rows.length) return this.summed;
-    const total = (row: Row): number => LAYERS.reduce((sum, [layer]) => sum + this.value(row, layer), 0);
+    const total = (row: Row): number =>
+      LAYERS.reduce((sum, [layer]) => sum + this.value(row, layer), 0);
     const high = rows.reduce((most, row) => Math.max(most, total(row)), 1e-300);
-    const named = LAYERS.map(([layer]) => layer).filter((layer, i) => i < 2 || rows.some((row) => this.value(row, layer) > FAINT * high));
+    const named = LAYERS.map(([layer]) => layer).filter(
+      (layer, i) => i < 2 || rows.some((row) => this.value(row, layer) > FAINT * high),
+    );
     this.summed = { rows: rows.length, high, named };
     return this.summed;
   }
@@ -112,7 +121,10 @@ export class EnergyGraph {
     for (const [layer, colour] of LAYERS) {
       context.beginPath();
       const edge = (row: number): void => {
-        context.lineTo(across(width, this.rows[row]!.frame, frames), height - (height * below[row]!) / high);
+        context.lineTo(
+          across(width, this.rows[row]!.frame, frames),
+          height - (height * below[row]!) / high,
+        );
       };
       for (let row = 0; row < this.rows.length; row++) edge(row);
       this.rows.forEach((row, index) => (below[index]! += this.value(row, layer)));
@@ -130,7 +142,9 @@ export class EnergyGraph {
       this.names = names;
       this.legend.replaceChildren(
         ...values.map(([layer]) => {
-          const [entry, swatch, value] = ["span", "i", "b"].map((tag) => document.createElement(tag)) as [HTMLElement, HTMLElement, HTMLElement];
+          const [entry, swatch, value] = ["span", "i", "b"].map((tag) =>
+            document.createElement(tag),
+          ) as [HTMLElement, HTMLElement, HTMLElement];
           swatch.style.backgroundColor = colours.get(layer)!;
           entry.append(swatch, `${layer} `, value);
           return entry;
@@ -142,8 +156,11 @@ export class EnergyGraph {
       const text = quantity(value, "J");
       if (shown.textContent !== text) shown.textContent = text;
     });
-    const [kinetic, potential, ...causes] = values.map(([layer, value]) => `${layer} ${quantity(value, "J")}`);
-    const text = `Energy: ${kinetic}, ${potential}${causes.length > 0 ? `; taken so far by ${causes.join(", ")}` : ""}.`;
+    const [kinetic, potential, ...causes] = values.map(
+      ([layer, value]) => `${layer} ${quantity(value, "J")}`,
+    );
+    const taken = causes.length > 0 ? `; taken so far by ${causes.join(", ")}` : "";
+    const text = `Energy: ${kinetic}, ${potential}${taken}.`;
     if (this.words.textContent !== text) this.words.textContent = text;
   }
 }
@@ -153,7 +170,11 @@ function across(width: number, frame: number, frames: number): number {
   return KNOB + ((width - 2 * KNOB) * frame) / Math.max(frames, 1);
 }
 
-function sized(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D | null {
+function sized(
+  canvas: HTMLCanvasElement,
+  width: number,
+  height: number,
+): CanvasRenderingContext2D | null {
   const [w, h] = [Math.round(width * devicePixelRatio), Math.round(height * devicePixelRatio)];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
   const context = canvas.getContext("2d");

@@ -1,13 +1,25 @@
 // From light to a picture, and from several pictures of the same to a smoother one.
-import { FloatType, NearestFilter, type Texture, type WebGLRenderer, WebGLRenderTarget } from "three";
+import {
+  FloatType, NearestFilter, type Texture, type WebGLRenderer, WebGLRenderTarget,
+} from "three";
 import { ScreenPass } from "./screen_pass";
 import { COPY_FRAGMENT, FILM_FRAGMENT } from "./shaders/screen";
 
 export class Film {
   private readonly targets = [0, 1].map(
-    () => new WebGLRenderTarget(1, 1, { type: FloatType, depthBuffer: false, minFilter: NearestFilter, magFilter: NearestFilter }),
+    () =>
+      new WebGLRenderTarget(1, 1, {
+        type: FloatType,
+        depthBuffer: false,
+        minFilter: NearestFilter,
+        magFilter: NearestFilter,
+      }),
   ) as [WebGLRenderTarget, WebGLRenderTarget];
-  private readonly uniforms = { radiances: { value: null as Texture | null }, before: { value: null as Texture | null }, weight: { value: 1 } };
+  private readonly uniforms = {
+    radiances: { value: null as Texture | null },
+    before: { value: null as Texture | null },
+    weight: { value: 1 },
+  };
   private readonly develop = new ScreenPass(FILM_FRAGMENT, this.uniforms);
   private readonly copy = new ScreenPass(COPY_FRAGMENT, this.uniforms);
 
@@ -28,7 +40,8 @@ export class Film {
 
   /** Show the mean of the pictures from number 0 to this one. */
   show(radiances: Texture, picture: number): void {
-    const [before, after] = picture % 2 === 0 ? this.targets : ([this.targets[1], this.targets[0]] as const);
+    const [before, after] =
+      picture % 2 === 0 ? this.targets : ([this.targets[1], this.targets[0]] as const);
     this.uniforms.radiances.value = radiances;
     this.uniforms.before.value = before.texture;
     this.uniforms.weight.value = 1 / (picture + 1);

@@ -6,7 +6,10 @@ import { TEXELS } from "./poses";
 import type { Footage } from "./recording";
 import { TABLE_WIDTH } from "./shaders/place";
 
-/** Fewer triangles than these are drawn in 10 ms without a graphics card: coarser ones are not worth their gaps. */
+/**
+ * Fewer triangles than these are drawn in 10 ms without a graphics card: coarser ones are not worth
+ * their gaps.
+ */
 const MANY = 15_000;
 
 /** What each kind of grain is for the shaders. */
@@ -20,7 +23,8 @@ export class Geometries {
   hasGlass = false;
   /** Whether there are so many triangles that fewer are worth while. */
   isLarge = false;
-  private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> = { fine: {}, coarse: {} };
+  private indices: Record<"fine" | "coarse", Partial<Record<"solid" | "glass", BufferAttribute>>> =
+    { fine: {}, coarse: {} };
   private isCoarse = false;
   private ends: Record<"fine" | "coarse", Record<"solid" | "glass", Uint32Array>> | null = null;
   private bodies = 0;
@@ -37,7 +41,8 @@ export class Geometries {
       const geometry = this[part];
       // What the driver has of the bodies before is let go.
       geometry.dispose();
-      for (const [name, attribute] of Object.entries(merged.attributes)) geometry.setAttribute(name, attribute);
+      for (const [name, attribute] of Object.entries(merged.attributes))
+        geometry.setAttribute(name, attribute);
       for (const detail of ["fine", "coarse"] as const)
         this.indices[detail][part] = new BufferAttribute(Uint32Array.from(merged[detail][part]), 1);
     }
@@ -77,14 +82,21 @@ interface Triangles {
 }
 
 /** All corners of all bodies. */
-function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, cell: number): Merged {
+function mergeBodies(
+  { bodies, meshes, materials }: Footage,
+  skinned: boolean,
+  cell: number,
+): Merged {
   const count = bodies.reduce((sum, body) => sum + meshes[body.mesh]!.slots.length, 0);
   const positions = new Float32Array(3 * count);
   const normals = new Int16Array(4 * count);
   const ids = new Uint32Array(2 * count);
   const fine: Triangles = { solid: [], glass: [] };
   const coarse: Triangles = { solid: [], glass: [] };
-  const made = (): Record<"solid" | "glass", Uint32Array> => ({ solid: new Uint32Array(bodies.length), glass: new Uint32Array(bodies.length) });
+  const made = (): Record<"solid" | "glass", Uint32Array> => ({
+    solid: new Uint32Array(bodies.length),
+    glass: new Uint32Array(bodies.length),
+  });
   const ends = { fine: made(), coarse: made() };
   const coarseMeshes = new Map<number, Int32Array>();
   const places = skinned ? new Float32Array(2 * count) : null;
@@ -94,22 +106,31 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, c
     const mesh = meshes[body.mesh]!;
     positions.set(mesh.positions, 3 * first);
     if (mesh.places !== null) places?.set(mesh.places, 2 * first);
-    if (mesh.colours !== null) colours?.set(mesh.colours.map((part) => Math.round(255 * part)), 4 * first);
+    if (mesh.colours !== null)
+      colours?.set(
+        mesh.colours.map((part) => Math.round(255 * part)),
+        4 * first,
+      );
     mesh.slots.forEach((slot, vertex) => {
       const at = first + vertex;
-      for (let axis = 0; axis < 3; axis++) normals[4 * at + axis] = Math.round(32767 * mesh.normals[3 * vertex + axis]!);
+      for (let axis = 0; axis < 3; axis++)
+        normals[4 * at + axis] = Math.round(32767 * mesh.normals[3 * vertex + axis]!);
       ids[2 * at] = row;
       ids[2 * at + 1] = body.materials[slot] ?? 0;
     });
     if (!coarseMeshes.has(body.mesh)) coarseMeshes.set(body.mesh, coarser(mesh, cell));
-    for (const [triangles, all] of [[mesh.triangles, fine], [coarseMeshes.get(body.mesh)!, coarse]] as const)
+    for (const [triangles, all] of [
+      [mesh.triangles, fine],
+      [coarseMeshes.get(body.mesh)!, coarse],
+    ] as const)
       for (let i = 0; i < triangles.length; i += 3) {
         const material = materials[ids[2 * (first + triangles[i]!) + 1]!]!;
         const into = material.clear > 0 || material.blended ? all.glass : all.solid;
         for (let corner = 0; corner < 3; corner++) into.push(first + triangles[i + corner]!);
       }
     first += mesh.slots.length;
-    for (const part of ["solid", "glass"] as const) [ends.fine[part][row], ends.coarse[part][row]] = [fine[part].length, coarse[part].length];
+    for (const part of ["solid", "glass"] as const)
+      [ends.fine[part][row], ends.coarse[part][row]] = [fine[part].length, coarse[part].length];
   });
 
   const attributes: Record<string, BufferAttribute> = {
@@ -127,7 +148,13 @@ function mergeBodies({ bodies, meshes, materials }: Footage, skinned: boolean, c
 /** A texture of single-precision numbers, four to a texel. */
 export function table(texels: number): DataTexture {
   const height = Math.max(1, Math.ceil(texels / TABLE_WIDTH));
-  const texture = new DataTexture(new Float32Array(4 * TABLE_WIDTH * height), TABLE_WIDTH, height, RGBAFormat, FloatType);
+  const texture = new DataTexture(
+    new Float32Array(4 * TABLE_WIDTH * height),
+    TABLE_WIDTH,
+    height,
+    RGBAFormat,
+    FloatType,
+  );
   texture.needsUpdate = true;
   return texture;
 }
@@ -140,7 +167,9 @@ export function numbers(texture: DataTexture): Float32Array {
 /** Tint and grain of every body. */
 export function pieceTable({ bodies }: Footage): DataTexture {
   const texture = table(TEXELS * bodies.length);
-  bodies.forEach((body, row) => numbers(texture).set([...body.tint, 0, ...body.grain], 4 * TEXELS * row));
+  bodies.forEach((body, row) =>
+    numbers(texture).set([...body.tint, 0, ...body.grain], 4 * TEXELS * row),
+  );
   return texture;
 }
 

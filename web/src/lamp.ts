@@ -1,6 +1,7 @@
 // The lamp: where it is, and what it sees, which is all that it lights.
 import {
-  DepthTexture, DoubleSide, FloatType, GLSL3, Matrix4, Mesh, NearestFilter, OrthographicCamera, RawShaderMaterial, Scene,
+  DepthTexture, DoubleSide, FloatType, GLSL3, Matrix4, Mesh, NearestFilter, OrthographicCamera,
+  RawShaderMaterial, Scene,
   Vector3, type WebGLRenderer, WebGLRenderTarget,
 } from "three";
 import type { Geometries } from "./geometry";
@@ -61,14 +62,30 @@ export class Lamp {
   draw(renderer: WebGLRenderer, target: Vector3, distance: number, uniforms: Uniforms): void {
     const reach = REACH * distance;
     const depth = DEPTH * distance;
-    Object.assign(this.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0, far: 2 * depth });
+    Object.assign(this.camera, {
+      left: -reach,
+      right: reach,
+      top: reach,
+      bottom: -reach,
+      near: 0,
+      far: 2 * depth,
+    });
     this.camera.position.copy(target).addScaledVector(this.towards, depth);
     this.camera.lookAt(target);
     this.camera.updateMatrixWorld();
     this.camera.updateProjectionMatrix();
-    uniforms.lampMatrix.value.copy(this.onTexels(new Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse)));
+    uniforms.lampMatrix.value.copy(
+      this.onTexels(
+        new Matrix4().multiplyMatrices(
+          this.camera.projectionMatrix,
+          this.camera.matrixWorldInverse,
+        ),
+      ),
+    );
     uniforms.lampReach.value.set(reach, 2 * depth, (2 * reach) / this.texels);
-    for (const { target: map, scene } of uniforms.hasGlass.value ? this.maps : this.maps.slice(0, 1)) {
+    for (const { target: map, scene } of uniforms.hasGlass.value
+      ? this.maps
+      : this.maps.slice(0, 1)) {
       renderer.setRenderTarget(map);
       renderer.clear();
       renderer.render(scene, this.camera);
@@ -82,7 +99,9 @@ export class Lamp {
   /** The matrix, moved by less than a texel, so that shadows do not crawl when the camera moves. */
   private onTexels(matrix: Matrix4): Matrix4 {
     const origin = new Vector3().applyMatrix4(matrix).multiplyScalar(this.texels / 2);
-    const rest = [Math.round(origin.x) - origin.x, Math.round(origin.y) - origin.y].map((part) => (part * 2) / this.texels) as [number, number];
+    const rest = [Math.round(origin.x) - origin.x, Math.round(origin.y) - origin.y].map(
+      (part) => (part * 2) / this.texels,
+    ) as [number, number];
     return matrix.premultiply(new Matrix4().makeTranslation(...rest, 0));
   }
 }

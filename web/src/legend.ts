@@ -14,7 +14,9 @@ export class Legend {
     this.strip.setAttribute("aria-hidden", "true");
     const context = this.strip.getContext("2d");
     for (let x = 0; context !== null && x < WIDTH; x++) {
-      context.fillStyle = `rgb(${Colouring.ramp(x / (WIDTH - 1)).map((part) => Math.round(255 * part)).join()})`;
+      context.fillStyle = `rgb(${Colouring.ramp(x / (WIDTH - 1))
+        .map((part) => Math.round(255 * part))
+        .join()})`;
       context.fillRect(x, 0, 1, HEIGHT);
     }
     holder.append(this.ends[0], this.strip, this.ends[1]);

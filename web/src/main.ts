@@ -20,11 +20,16 @@ function say(sentence: string): void {
 
 /** What keeps this browser from playing; empty if nothing does. */
 function missing(): string {
-  if (typeof DecompressionStream === "undefined") return "This browser cannot unpack the recording: it is older than 2023.";
+  if (typeof DecompressionStream === "undefined")
+    return "This browser cannot unpack the recording: it is older than 2023.";
   const context = document.createElement("canvas").getContext("webgl2");
-  if (context === null) return "This browser shows no 3D graphics: WebGL 2 is missing or switched off.";
+  if (context === null)
+    return "This browser shows no 3D graphics: WebGL 2 is missing or switched off.";
   if (context.getExtension("EXT_color_buffer_float") === null)
-    return "The graphics driver of this machine cannot draw into floating-point textures, which the pictures need.";
+    return (
+      "The graphics driver of this machine cannot draw into floating-point textures, " +
+      "which the pictures need."
+    );
   context.getExtension("WEBGL_lose_context")?.loseContext();
   return "";
 }
@@ -32,7 +37,10 @@ function missing(): string {
 /** What the address asks for. */
 const asked = new URLSearchParams(location.hash.slice(1));
 
-/** Do what the address asks for as soon as it can be done: of a run that goes on, some of it only later. */
+/**
+ * Do what the address asks for as soon as it can be done: of a run that goes on, some of it only
+ * later.
+ */
 function obey(player: Player, panel: Panel): void {
   const { clock, footage } = player;
   const number = (name: string): number => Number(asked.get(name)) || 0;
@@ -60,7 +68,8 @@ async function play(reel: Reel): Promise<[Player, Panel]> {
   const colour = asked.get("colour") as Quantity;
   if (QUANTITIES.includes(colour)) panel.colourBy(colour);
   if (asked.has("quality")) player.spend(Number(asked.get("quality")));
-  player.clock.playing = !asked.has("frame") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  player.clock.playing =
+    !asked.has("frame") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
   obey(player, panel);
   player.start();
   return [player, panel];
@@ -69,7 +78,8 @@ async function play(reel: Reel): Promise<[Player, Panel]> {
 /** What the server of the page streams. */
 async function streamed(): Promise<AsyncIterable<Uint8Array<ArrayBuffer>>> {
   const response = await fetch(CHUNKS);
-  if (!response.ok || response.body === null) throw new Error(`its server answers ${response.status}`);
+  if (!response.ok || response.body === null)
+    throw new Error(`its server answers ${response.status}`);
   return blobs(response.body);
 }
 

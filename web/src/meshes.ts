@@ -5,19 +5,30 @@ import type { Blob32 } from "./streams";
 export function readMeshes(blob: Blob32, step: (name: string) => number): Mesh[] {
   const low = blob.columns("mesh_low").map(floats);
   const scale = floats(blob.column("mesh_scale"));
-  const counts = (["mesh_corners", "mesh_vertices", "mesh_triangles"] as const).map((name) => blob.column(name));
+  const counts = (["mesh_corners", "mesh_vertices", "mesh_triangles"] as const).map((name) =>
+    blob.column(name),
+  );
   const [corners, normals] = [blob.columns("corners"), blob.columns("normals")];
-  const [vertices, slots, triangles] = [blob.column("vertices"), blob.column("vertex_slots"), blob.column("triangles")];
+  const [vertices, slots, triangles] = [
+    blob.column("vertices"),
+    blob.column("vertex_slots"),
+    blob.column("triangles"),
+  ];
   const [places, colours] = [blob.columns("places"), blob.columns("colours")];
   const normalStep = step("normal");
   let [corner, vertex, index] = [0, 0, 0];
   return Array.from(scale, (size, row) => {
-    const [cornerCount, vertexCount, triangleCount] = counts.map((count) => count[row]!) as [number, number, number];
+    const [cornerCount, vertexCount, triangleCount] = counts.map((count) => count[row]!) as [
+      number,
+      number,
+      number,
+    ];
     const positions = new Float32Array(3 * vertexCount);
     const directions = new Float32Array(3 * vertexCount);
     for (let i = 0; i < vertexCount; i++) {
       const at = corner + vertices[vertex + i]!;
-      for (let axis = 0; axis < 3; axis++) positions[3 * i + axis] = low[axis]![row]! + size * corners[axis]![at]!;
+      for (let axis = 0; axis < 3; axis++)
+        positions[3 * i + axis] = low[axis]![row]! + size * corners[axis]![at]!;
       const [x, y] = normals as [Int32Array, Int32Array];
       directions.set(unfold(x[vertex + i]! * normalStep, y[vertex + i]! * normalStep), 3 * i);
     }
@@ -47,11 +58,20 @@ export function unfold(x: number, y: number): [number, number, number] {
 }
 
 /** Rows of columns, one after the other; `null` if all are 0. */
-function interleaved(columns: Int32Array[], first: number, count: number, value: (stored: number) => number): Float32Array | null {
-  if (columns.every((column) => column.subarray(first, first + count).every((stored) => stored === 0))) return null;
+function interleaved(
+  columns: Int32Array[],
+  first: number,
+  count: number,
+  value: (stored: number) => number,
+): Float32Array | null {
+  if (
+    columns.every((column) => column.subarray(first, first + count).every((stored) => stored === 0))
+  )
+    return null;
   const rows = new Float32Array(columns.length * count);
   columns.forEach((column, index) => {
-    for (let row = 0; row < count; row++) rows[columns.length * row + index] = value(column[first + row]!);
+    for (let row = 0; row < count; row++)
+      rows[columns.length * row + index] = value(column[first + row]!);
   });
   return rows;
 }

@@ -1,8 +1,12 @@
-// How bodies move, told from where they are: speeds, and the forces that act on them besides gravity.
+// How bodies move, told from where they are: speeds, and the forces that act on them besides
+// gravity.
 import { TEXELS } from "./poses";
 import type { Footage } from "./recording";
 
-/** The ends of the way from a frame to the next lie that far within it: new pieces are seen there already [frames]. */
+/**
+ * The ends of the way from a frame to the next lie that far within it: new pieces are seen there
+ * already [frames].
+ */
 const WITHIN = 1e-3;
 /** Ways that are kept: those of a few frames around the one that is shown. */
 const KEPT = 6;
@@ -21,7 +25,10 @@ export class Motion {
     return Math.min(Math.max(Math.ceil(time - 1e-6), 1), this.footage.frames);
   }
 
-  /** Mean velocities in a step, three numbers a body [m/s]; not a number for what the step does not show. */
+  /**
+   * Mean velocities in a step, three numbers a body [m/s]; not a number for what the step does not
+   * show.
+   */
   velocities(step: number): Float32Array {
     const { footage, ways } = this;
     const kept = ways.get(step);
@@ -37,7 +44,8 @@ export class Motion {
       footage.bodies.forEach((_, row) => {
         const at = 4 * TEXELS * row;
         if (from[at + 3] !== 1 || to[at + 3] !== 1) return;
-        for (let axis = 0; axis < 3; axis++) found[3 * row + axis] = (to[at + axis]! - from[at + axis]!) * rate;
+        for (let axis = 0; axis < 3; axis++)
+          found[3 * row + axis] = (to[at + axis]! - from[at + axis]!) * rate;
       });
     }
     ways.set(step, found);
@@ -50,7 +58,9 @@ export class Motion {
     return Math.hypot(...this.velocities(step).subarray(3 * row, 3 * row + 3));
   }
 
-  /** What contacts did to a body in a step, as a mean force [N]; not a number where nobody knows. */
+  /**
+   * What contacts did to a body in a step, as a mean force [N]; not a number where nobody knows.
+   */
   force(row: number, step: number): number {
     const gravity = this.gravity();
     const body = this.footage.bodies[row];
@@ -58,7 +68,9 @@ export class Motion {
     if (!Number.isFinite(body.mass) || body.mass <= 0) return NaN;
     const [before, after] = [this.velocities(step - 1), this.velocities(step)];
     const { fps } = this.footage;
-    const [x, y, z] = [0, 1, 2].map((axis) => (after[3 * row + axis]! - before[3 * row + axis]!) * fps) as [number, number, number];
+    const [x, y, z] = [0, 1, 2].map(
+      (axis) => (after[3 * row + axis]! - before[3 * row + axis]!) * fps,
+    ) as [number, number, number];
     return body.mass * Math.hypot(x, y - gravity, z);
   }
 }
@@ -66,6 +78,11 @@ export class Motion {
 /** How often what became a body has broken. */
 export function generation(footage: Footage, row: number): number {
   let count = 0;
-  for (let parent = footage.bodies[row]?.parent ?? -1; parent >= 0; parent = footage.bodies[parent]!.parent) count++;
+  for (
+    let parent = footage.bodies[row]?.parent ?? -1;
+    parent >= 0;
+    parent = footage.bodies[parent]!.parent
+  )
+    count++;
   return count;
 }

@@ -1,6 +1,7 @@
 // Ambient occlusion from depths and normals, at half the width and height of the picture.
 import {
-  type BufferGeometry, type Camera, DoubleSide, GLSL3, Mesh, RawShaderMaterial, Scene, type WebGLRenderer, WebGLRenderTarget,
+  type BufferGeometry, type Camera, DoubleSide, GLSL3, Mesh, RawShaderMaterial, Scene, type
+  WebGLRenderer, WebGLRenderTarget,
 } from "three";
 import { depthTexture } from "./lamp";
 import { ScreenPass } from "./screen_pass";
@@ -25,7 +26,11 @@ export class Occlusion {
       glslVersion: GLSL3,
       vertexShader: NORMAL_VERTEX,
       fragmentShader: NORMAL_FRAGMENT,
-      uniforms: { poses: uniforms.poses, view: uniforms.view, viewProjection: uniforms.viewProjection },
+      uniforms: {
+        poses: uniforms.poses,
+        view: uniforms.view,
+        viewProjection: uniforms.viewProjection,
+      },
       side: DoubleSide,
     });
     const mesh = new Mesh(solid, material);
@@ -34,14 +39,26 @@ export class Occlusion {
     const { projection, inverseProjection, reach, taps, seed } = uniforms;
     const depths = { value: this.surfaces.depthTexture };
     this.sample = new ScreenPass(AMBIENT_FRAGMENT, {
-      depths, normals: { value: this.surfaces.texture }, projection, inverseProjection, reach, taps, seed,
+      depths,
+      normals: { value: this.surfaces.texture },
+      projection,
+      inverseProjection,
+      reach,
+      taps,
+      seed,
     });
-    this.blur = new ScreenPass(SMOOTH_FRAGMENT, { depths, ambient: { value: this.rough.texture }, inverseProjection, reach });
+    this.blur = new ScreenPass(SMOOTH_FRAGMENT, {
+      depths,
+      ambient: { value: this.rough.texture },
+      inverseProjection,
+      reach,
+    });
     uniforms.ambient.value = this.smooth.texture;
   }
 
   resize(width: number, height: number): void {
-    for (const target of [this.surfaces, this.rough, this.smooth]) target.setSize(Math.ceil(width / 2), Math.ceil(height / 2));
+    for (const target of [this.surfaces, this.rough, this.smooth])
+      target.setSize(Math.ceil(width / 2), Math.ceil(height / 2));
   }
 
   dispose(): void {

@@ -2,7 +2,7 @@
 import { Announcer } from "./announcer";
 import type { Books } from "./books";
 import { Colouring, QUANTITIES, type Quantity } from "./colouring";
-import { element } from "./element";
+import { element, input, select } from "./element";
 import { EnergyGraph } from "./energy_graph";
 import { icon } from "./icons";
 import { type Key, list, listen } from "./keys";
@@ -14,9 +14,10 @@ import type { Player } from "./player";
 import { type Break, breaks, countAlive } from "./recording";
 import { counted } from "./units";
 
-export { element };
-
-/** A window that is lower has no room for a graph at first; a narrow one has more rows of buttons [CSS px]. */
+/**
+ * A window that is lower has no room for a graph at first; a narrow one has more rows of buttons
+ * [CSS px].
+ */
 const ROOM_FOR_GRAPH = "(min-height: 560px) and (min-width: 561px), (min-height: 720px)";
 
 export class Panel {
@@ -39,7 +40,12 @@ export class Panel {
     this.colouring = new Colouring(footage, motion);
     player.painter = this.colouring;
     this.picking = new Picking(player, canvas, motion, books.strikes);
-    this.graph = new EnergyGraph(books, element("graph") as HTMLCanvasElement, element("graph-legend"), element("graph-words"));
+    this.graph = new EnergyGraph(
+      books,
+      element("graph") as HTMLCanvasElement,
+      element("graph-legend"),
+      element("graph-words"),
+    );
     element("shot").textContent = footage.shot || "Recording";
     const timeline = input("timeline");
     timeline.addEventListener("input", () => clock.seek(Number(timeline.value)));
@@ -89,7 +95,8 @@ export class Panel {
       ["time", `${(clock.time / footage.fps).toFixed(2)} s`],
       ["bodies", counted(alive, "body", "bodies")],
     ] as const;
-    for (const [id, text] of settings) if (element(id).textContent !== text) element(id).textContent = text;
+    for (const [id, text] of settings)
+      if (element(id).textContent !== text) element(id).textContent = text;
     input("timeline").value = String(clock.time);
     input("timeline").setAttribute("aria-valuetext", `frame ${clock.frame}`);
     if (element("play").dataset["icon"] !== (clock.playing ? "pause" : "play")) {
@@ -133,9 +140,12 @@ export class Panel {
     const so = this.breaks.filter(({ frame }) => frame <= clock.frame);
     const known = this.books.strikes.filter(({ frame }) => frame <= clock.frame).length;
     const count = known || so.length;
+    const doing = clock.playing ? "Playing" : "Paused";
+    const seconds = (clock.time / footage.fps).toFixed(2);
+    const bodies = counted(countAlive(footage, clock.frame), "body", "bodies");
     const parts = [
-      `${clock.playing ? "Playing" : "Paused"} at frame ${clock.frame} of ${footage.frames}, ${(clock.time / footage.fps).toFixed(2)} seconds`,
-      `${counted(countAlive(footage, clock.frame), "body", "bodies")}, ${counted(count, "break")} so far`,
+      `${doing} at frame ${clock.frame} of ${footage.frames}, ${seconds} seconds`,
+      `${bodies}, ${counted(count, "break")} so far`,
     ];
     this.announcer.tell(`${parts.join("; ")}. ${this.picking.sentence}`.trim(), clock.playing);
   }
@@ -162,7 +172,8 @@ export class Panel {
       icon(element(id), id);
       element(id).addEventListener("click", action);
     }
-    for (const id of ["piece-before", "piece-after", "piece-focus", "piece-close"]) icon(element(id), id);
+    for (const id of ["piece-before", "piece-after", "piece-focus", "piece-close"])
+      icon(element(id), id);
     new ResizeObserver(() => this.drawMarks()).observe(element("marks"));
     new ResizeObserver(() => this.show()).observe(element("graph"));
     const keys = this.keys();
@@ -181,21 +192,41 @@ export class Panel {
       ArrowUp: () => this.changeSpeed(1),
       ArrowDown: () => this.changeSpeed(-1),
     };
-    const turns: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-    const arrow: Key["does"] = (shift, name) => (shift ? viewpoint.turn(...turns[name]!) : arrows[name]!());
+    const turns: Record<string, [number, number]> = {
+      ArrowLeft: [-1, 0],
+      ArrowRight: [1, 0],
+      ArrowUp: [0, 1],
+      ArrowDown: [0, -1],
+    };
+    const arrow: Key["does"] = (shift, name) =>
+      shift ? viewpoint.turn(...turns[name]!) : arrows[name]!();
     return [
       { keys: [" ", "k"], shown: ["space"], says: "play or pause", does: () => clock.toggle() },
       key("ArrowLeft ArrowRight", "← →", "one frame back, forth", arrow),
       key("ArrowUp ArrowDown", "↑ ↓", "faster, slower", arrow),
-      key("Home End", "Home End", "first, last frame", (_, name) => clock.seek(name === "Home" ? 0 : Infinity)),
-      key("b", "B Shift+B", "next break, the one before", (shift) => this.nextBreak(shift ? -1 : 1)),
+      key("Home End", "Home End", "first, last frame", (_, name) =>
+        clock.seek(name === "Home" ? 0 : Infinity),
+      ),
+      key("b", "B Shift+B", "next break, the one before", (shift) =>
+        this.nextBreak(shift ? -1 : 1),
+      ),
       key("l", "L", "loop", () => this.toggleLoop()),
-      key("p", "P Shift+P", "pick the next body, the one before", (shift) => this.picking.next(shift ? -1 : 1)),
-      key("o", "O Shift+O", "pick what it broke off from, a piece of it", (shift) => this.picking.family(shift)),
-      key("f", "F", "look at the picked body", (shift) => (shift ? toggleFullScreen() : this.player.focus())),
+      key("p", "P Shift+P", "pick the next body, the one before", (shift) =>
+        this.picking.next(shift ? -1 : 1),
+      ),
+      key("o", "O Shift+O", "pick what it broke off from, a piece of it", (shift) =>
+        this.picking.family(shift),
+      ),
+      key("f", "F", "look at the picked body", (shift) =>
+        shift ? toggleFullScreen() : this.player.focus(),
+      ),
       key("Escape", "Esc", "pick nothing, close help", () => this.escape()),
-      key("c", "C Shift+C", "next colours, those before", (shift) => this.changeColour(shift ? -1 : 1)),
-      key("e", "E Shift+E", "pull pieces apart, together", (shift) => this.changeExplode(shift ? -0.1 : 0.1)),
+      key("c", "C Shift+C", "next colours, those before", (shift) =>
+        this.changeColour(shift ? -1 : 1),
+      ),
+      key("e", "E Shift+E", "pull pieces apart, together", (shift) =>
+        this.changeExplode(shift ? -0.1 : 0.1),
+      ),
       key("g", "G", "energy", () => this.toggleGraph()),
       { keys: [], shown: ["Shift", "← → ↑ ↓"], says: "turn the view", does: () => {} },
       key("+ = -", "+ −", "nearer, further away", (_, name) => viewpoint.zoom(name !== "-")),
@@ -251,19 +282,16 @@ export class Panel {
 
 /** Colours as people choose them. */
 const NAMES: Record<Quantity, string> = {
-  material: "material", piece: "piece", generation: "generation", speed: "speed", age: "age", force: "contact force",
+  material: "material",
+  piece: "piece",
+  generation: "generation",
+  speed: "speed",
+  age: "age",
+  force: "contact force",
 };
 
 /** To the right and up. */
 const MOVES: Record<string, [number, number]> = { w: [0, 1], a: [-1, 0], s: [0, -1], d: [1, 0] };
-
-function input(id: string): HTMLInputElement {
-  return element(id) as HTMLInputElement;
-}
-
-function select(id: string): HTMLSelectElement {
-  return element(id) as HTMLSelectElement;
-}
 
 function toggleFullScreen(): void {
   if (document.fullscreenElement) void document.exitFullscreen();

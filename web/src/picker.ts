@@ -25,7 +25,10 @@ export class Picker {
     if (radius === undefined) {
       radius = 0;
       for (let i = 0; i < mesh.positions.length; i += 3)
-        radius = Math.max(radius, Math.hypot(mesh.positions[i]!, mesh.positions[i + 1]!, mesh.positions[i + 2]!));
+        radius = Math.max(
+          radius,
+          Math.hypot(mesh.positions[i]!, mesh.positions[i + 1]!, mesh.positions[i + 2]!),
+        );
       this.radii.set(mesh, radius);
     }
     return radius;
@@ -39,31 +42,58 @@ export class Picker {
       const at = 4 * TEXELS * row;
       if (poses[at + 3] !== 1 || body.floor) return;
       // A ball around it first.
-      const away: Vector = [from[0] - poses[at]!, from[1] - poses[at + 1]!, from[2] - poses[at + 2]!];
+      const away: Vector = [
+        from[0] - poses[at]!,
+        from[1] - poses[at + 1]!,
+        from[2] - poses[at + 2]!,
+      ];
       const along = -dot(away, direction) / length2;
       const radius = this.radius(row);
       const miss2 = dot(away, away) - along * along * length2;
       if (miss2 > radius * radius || along + radius / Math.sqrt(length2) < 0) return;
       if (best !== null && along - radius / Math.sqrt(length2) > best.distance) return;
       const [x, y, z, w] = [-poses[at + 4]!, -poses[at + 5]!, -poses[at + 6]!, poses[at + 7]!];
-      const distance = meet(this.footage.meshes[body.mesh]!, turned([x, y, z, w], away), turned([x, y, z, w], direction));
+      const distance = meet(
+        this.footage.meshes[body.mesh]!,
+        turned([x, y, z, w], away),
+        turned([x, y, z, w], direction),
+      );
       if (distance < (best?.distance ?? Infinity)) best = { row, distance };
     });
     return best;
   }
 }
 
-/** Where a ray in the body frame meets a mesh first (Moeller and Trumbore 1997); infinite if it does not. */
+/**
+ * Where a ray in the body frame meets a mesh first (Moeller and Trumbore 1997); infinite if it does
+ * not.
+ */
 function meet({ positions, triangles }: Mesh, from: Vector, direction: Vector): number {
   let best = Infinity;
   for (let i = 0; i < triangles.length; i += 3) {
-    const [a, b, c] = [0, 1, 2].map((corner) => 3 * triangles[i + corner]!) as [number, number, number];
-    const edge1: Vector = [positions[b]! - positions[a]!, positions[b + 1]! - positions[a + 1]!, positions[b + 2]! - positions[a + 2]!];
-    const edge2: Vector = [positions[c]! - positions[a]!, positions[c + 1]! - positions[a + 1]!, positions[c + 2]! - positions[a + 2]!];
+    const [a, b, c] = [0, 1, 2].map((corner) => 3 * triangles[i + corner]!) as [
+      number,
+      number,
+      number,
+    ];
+    const edge1: Vector = [
+      positions[b]! - positions[a]!,
+      positions[b + 1]! - positions[a + 1]!,
+      positions[b + 2]! - positions[a + 2]!,
+    ];
+    const edge2: Vector = [
+      positions[c]! - positions[a]!,
+      positions[c + 1]! - positions[a + 1]!,
+      positions[c + 2]! - positions[a + 2]!,
+    ];
     const p = cross(direction, edge2);
     const volume = dot(edge1, p);
     if (volume === 0) continue;
-    const away: Vector = [from[0] - positions[a]!, from[1] - positions[a + 1]!, from[2] - positions[a + 2]!];
+    const away: Vector = [
+      from[0] - positions[a]!,
+      from[1] - positions[a + 1]!,
+      from[2] - positions[a + 2]!,
+    ];
     const u = dot(away, p) / volume;
     if (u < 0 || u > 1) continue;
     const q = cross(away, edge1);

@@ -21,9 +21,14 @@ export class Picking {
     private readonly strikes: readonly Strike[],
   ) {
     let from: [number, number] | null = null;
-    canvas.addEventListener("pointerdown", (event) => (from = event.isPrimary && event.button === 0 ? [event.offsetX, event.offsetY] : null));
+    canvas.addEventListener(
+      "pointerdown",
+      (event) =>
+        (from = event.isPrimary && event.button === 0 ? [event.offsetX, event.offsetY] : null),
+    );
     canvas.addEventListener("pointerup", (event) => {
-      if (from === null || Math.hypot(event.offsetX - from[0], event.offsetY - from[1]) > STILL) return;
+      if (from === null || Math.hypot(event.offsetX - from[0], event.offsetY - from[1]) > STILL)
+        return;
       this.pick(this.player.bodyAt(event.offsetX, event.offsetY));
     });
     for (const [id, step] of [["piece-before", -1], ["piece-after", 1]] as const)
@@ -54,10 +59,14 @@ export class Picking {
     this.onPick(row);
   }
 
-  /** The next body that is seen, or the one before; at first the one in the middle of the picture. */
+  /**
+   * The next body that is seen, or the one before; at first the one in the middle of the picture.
+   */
   next(step: number): void {
     const { footage, picked, poses } = this.player;
-    const seen = footage.bodies.map((_, row) => row).filter((row) => poses[8 * row + 3] === 1 && !footage.bodies[row]!.floor);
+    const seen = footage.bodies
+      .map((_, row) => row)
+      .filter((row) => poses[8 * row + 3] === 1 && !footage.bodies[row]!.floor);
     if (seen.length === 0) return;
     if (picked < 0) {
       const view = element("view");
@@ -65,14 +74,21 @@ export class Picking {
       return this.pick(middle >= 0 ? middle : seen[0]!);
     }
     const after = seen.findIndex((row) => row > picked);
-    const index = step > 0 ? (after < 0 ? 0 : after) : (after < 0 ? seen.length : after) - (seen.includes(picked) ? 2 : 1);
+    const index =
+      step > 0
+        ? after < 0
+          ? 0
+          : after
+        : (after < 0 ? seen.length : after) - (seen.includes(picked) ? 2 : 1);
     this.pick(seen.at(index % seen.length)!);
   }
 
   /** What the picked body broke off from, or the first piece that broke off from it. */
   family(down: boolean): void {
     const { footage, picked } = this.player;
-    const found = down ? footage.bodies.findIndex(({ parent }) => parent === picked) : (footage.bodies[picked]?.parent ?? -1);
+    const found = down
+      ? footage.bodies.findIndex(({ parent }) => parent === picked)
+      : (footage.bodies[picked]?.parent ?? -1);
     if (found >= 0) this.pick(found);
   }
 

@@ -6,7 +6,13 @@ import { quantity } from "./units";
 export type Fact = readonly [name: string, value: string];
 
 /** What is known of a body at a time in frames. */
-export function factsOf(footage: Footage, strikes: readonly Strike[], motion: Motion, row: number, time: number): Fact[] {
+export function factsOf(
+  footage: Footage,
+  strikes: readonly Strike[],
+  motion: Motion,
+  row: number,
+  time: number,
+): Fact[] {
   const body = footage.bodies[row];
   if (body === undefined) return [];
   const frame = Math.floor(time + 1e-6);
@@ -16,7 +22,10 @@ export function factsOf(footage: Footage, strikes: readonly Strike[], motion: Mo
   if (!isShown) facts.push(["state", frame < body.birth ? "not yet there" : "broken"]);
   else {
     facts.push(["speed", quantity(motion.speed(row, step), "m/s")]);
-    facts.push(["contact force", Number.isFinite(body.mass) ? quantity(motion.force(row, step), "N") : "unknown"]);
+    facts.push([
+      "contact force",
+      Number.isFinite(body.mass) ? quantity(motion.force(row, step), "N") : "unknown",
+    ]);
   }
   const parent = footage.bodies[body.parent];
   facts.push(["parent", parent === undefined ? "none" : parent.name]);

@@ -1,5 +1,7 @@
 // Plays a recording on a canvas: time, camera, and when to draw.
-import { type DataArrayTexture, MOUSE, PerspectiveCamera, Raycaster, Vector2, Vector3, WebGLRenderer } from "three";
+import {
+  type DataArrayTexture, MOUSE, PerspectiveCamera, Raycaster, Vector2, Vector3, WebGLRenderer,
+} from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Clock } from "./clock";
 import { numbers } from "./geometry";
@@ -9,9 +11,14 @@ import type { Footage } from "./recording";
 import { type Quality, Stage } from "./stage";
 import { Viewpoint } from "./viewpoint";
 
-/** Width over height that the first view was made for: a narrower window sees as far to the sides. */
+/**
+ * Width over height that the first view was made for: a narrower window sees as far to the sides.
+ */
 const ASPECT = 16 / 9;
-/** Pictures of the same that are averaged while nothing moves, and the time after which they are enough [ms]. */
+/**
+ * Pictures of the same that are averaged while nothing moves, and the time after which they are
+ * enough [ms].
+ */
 const PICTURES = 32;
 const PATIENCE = 6000;
 /** From best to cheapest. The first pictures are the cheapest, so that they come soon. */
@@ -22,27 +29,39 @@ const LEVELS: readonly (Quality & { pixelRatio: number })[] = [
   { pixelRatio: 0.5, taps: 4, ambient: false, samples: 0, shadow: 1024, isCoarse: true },
   { pixelRatio: 0.5, taps: 1, ambient: false, samples: 0, shadow: 512, isCoarse: true },
 ];
-/** A step down is taken when a picture takes longer, and a step up when it takes no longer [ms]: a screen shows thirty a
- * second at least. Between the two nothing changes. */
+/**
+ * A step down is taken when a picture takes longer, and a step up when it takes no longer [ms]: a
+ * screen shows thirty a second at least. Between the two nothing changes.
+ */
 const TOO_LONG = 45;
 const SHORT = 36;
-/** Pictures whose median counts: machines that are quick have the best after a third of a second. */
+/**
+ * Pictures whose median counts: machines that are quick have the best after a third of a second.
+ */
 const FOR_LESS = 12;
 const FOR_MORE = 5;
 const BEST = 0;
 const CHEAPEST = LEVELS.length - 1;
-/** What rests that long is drawn at this level or a better one, and what plays and waits for its next frame so long: a picture at
- * this level keeps a slow machine from making that frame [ms]. */
+/**
+ * What rests that long is drawn at this level or a better one, and what plays and waits for its
+ * next frame so long: a picture at this level keeps a slow machine from making that frame [ms].
+ */
 const REST = 300;
 const WAITS = 2000;
 const SHARP = 1;
-/** Way of the eye, relative to its distance, within which it stands still: rounding moves it, and pictures never settled. */
+/**
+ * Way of the eye, relative to its distance, within which it stands still: rounding moves it, and
+ * pictures never settled.
+ */
 const SAME_VIEW = 1e-7;
 
 /** No more is drawn here: the driver took the context away. */
 export type OnLost = () => void;
 
-/** Writes colours of bodies at a time, with a body picked or -1; true if they changed. See `Colouring`. */
+/**
+ * Writes colours of bodies at a time, with a body picked or -1; true if they changed. See
+ * `Colouring`.
+ */
 export interface Painter {
   paint(looks: Float32Array, time: number, picked: number): boolean;
 }
@@ -87,7 +106,12 @@ export class Player {
     private readonly canvas: HTMLCanvasElement,
     onLost: OnLost,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: false, powerPreference: "high-performance" });
+    this.renderer = new WebGLRenderer({
+      canvas,
+      antialias: false,
+      alpha: false,
+      powerPreference: "high-performance",
+    });
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = false;
     canvas.addEventListener("webglcontextlost", onLost);
@@ -112,7 +136,9 @@ export class Player {
     this.camera.position.fromArray(eye.map((part, axis) => part - target[axis]!));
     this.camera.lookAt(new Vector3());
     this.orbit.target.set(0, 0, 0);
-    this.orbit.maxPolarAngle = footage.bodies.some((body) => body.floor) ? 0.495 * Math.PI : Math.PI;
+    this.orbit.maxPolarAngle = footage.bodies.some((body) => body.floor)
+      ? 0.495 * Math.PI
+      : Math.PI;
     const distance = this.camera.position.length();
     this.orbit.minDistance = 0.02 * distance;
     this.orbit.maxDistance = 12 * distance;
@@ -156,7 +182,10 @@ export class Player {
     if (this.stage === null) return -1;
     const { clientWidth, clientHeight } = this.canvas;
     const ray = new Raycaster();
-    ray.setFromCamera(new Vector2((2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight), this.camera);
+    ray.setFromCamera(
+      new Vector2((2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight),
+      this.camera,
+    );
     const hit = this.picker.pick(this.poses, ray.ray.origin.toArray(), ray.ray.direction.toArray());
     return hit?.row ?? -1;
   }
@@ -208,9 +237,17 @@ export class Player {
     const duration = now - this.last;
     this.last = now;
     this.orbit.update();
-    const state = [this.clock.time, this.explode, this.picked, this.turnsOfView(), this.level].join();
+    const state = [
+      this.clock.time,
+      this.explode,
+      this.picked,
+      this.turnsOfView(),
+      this.level,
+    ].join();
     const looks = this.stage?.uniforms.pieces.value;
-    const isPainted = looks !== undefined && this.painter?.paint(numbers(looks), this.clock.time, this.picked) === true;
+    const isPainted =
+      looks !== undefined &&
+      this.painter?.paint(numbers(looks), this.clock.time, this.picked) === true;
     if (isPainted) looks.needsUpdate = true;
     if (state !== this.state || isPainted) {
       this.adapt(duration);
@@ -218,7 +255,11 @@ export class Player {
       this.state = state;
       this.picture = 0;
       this.still = now;
-    } else if (!this.isResting && this.level > this.levelAtRest && now - this.still > (this.clock.playing ? WAITS : REST)) {
+    } else if (
+      !this.isResting &&
+      this.level > this.levelAtRest &&
+      now - this.still > (this.clock.playing ? WAITS : REST)
+    ) {
       this.rest(true);
       this.state = state;
       this.picture = 0;
@@ -232,7 +273,10 @@ export class Player {
     this.draw();
   }
 
-  /** Number of times that the eye or what it looks at has moved: the controls round both in every picture. */
+  /**
+   * Number of times that the eye or what it looks at has moved: the controls round both in every
+   * picture.
+   */
   private turnsOfView(): number {
     const { camera, orbit, eye, target } = this;
     const moved = camera.position.distanceTo(eye) + orbit.target.distanceTo(target);

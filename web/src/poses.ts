@@ -1,7 +1,10 @@
 // Where everything is between two frames, as the shaders read it.
 import type { Path } from "./recording";
 
-/** Paths of bodies and the poses on them: x, y, z as multiples of a step [m], and quaternions up to a factor. */
+/**
+ * Paths of bodies and the poses on them: x, y, z as multiples of a step [m], and quaternions up to
+ * a factor.
+ */
 export interface Posed {
   readonly bodies: readonly Path[];
   readonly positions: Int32Array[];
@@ -12,8 +15,17 @@ export interface Posed {
 /** Texels of a body in the texture of poses: place and whether it is shown, then its quaternion. */
 export const TEXELS = 2;
 
-/** Fill (place, shown) and quaternions, eight numbers a body, for a time in frames; places are relative to an origin [m]. */
-export function fillPoses(recording: Posed, time: number, explode: number, origin: readonly number[], into: Float32Array): void {
+/**
+ * Fill (place, shown) and quaternions, eight numbers a body, for a time in frames; places are
+ * relative to an origin [m].
+ */
+export function fillPoses(
+  recording: Posed,
+  time: number,
+  explode: number,
+  origin: readonly number[],
+  into: Float32Array,
+): void {
   const frame = Math.floor(time);
   const part = time - frame;
   recording.bodies.forEach((body, row) => {

@@ -1,4 +1,5 @@
-// A recording that the page around this one posts, as the widget of a notebook does: `python/frangible/live_widget.js`.
+// A recording that the page around this one posts, as the widget of a notebook does:
+// `python/frangible/live_widget.js`.
 
 /** What stands in the page in place of a recording. */
 export const POSTED = "posted";

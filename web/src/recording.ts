@@ -42,7 +42,10 @@ export interface Mesh {
   normals: Float32Array;
   /** Which of the body's materials each vertex has. */
   slots: Int32Array;
-  /** Texture coordinates, two a vertex, v up, and factors of the colour, four a vertex; `null` where none matters. */
+  /**
+   * Texture coordinates, two a vertex, v up, and factors of the colour, four a vertex; `null` where
+   * none matters.
+   */
   places: Float32Array | null;
   colours: Float32Array | null;
   /** Three vertices a triangle. */
@@ -88,7 +91,11 @@ export interface Body extends Path {
 /** What is drawn, and where it is at a time. */
 export interface Footage extends Frames {
   readonly shot: string;
-  readonly camera: { eye: [number, number, number]; target: [number, number, number]; fieldOfView: number };
+  readonly camera: {
+    eye: [number, number, number];
+    target: [number, number, number];
+    fieldOfView: number;
+  };
   readonly materials: Material[];
   readonly meshes: Mesh[];
   readonly bodies: Body[];
@@ -123,7 +130,9 @@ export function breaks(footage: Footage): Break[] {
   const pieces = new Map<number, number>();
   for (const body of footage.bodies)
     if (body.parent >= 0) pieces.set(body.birth, (pieces.get(body.birth) ?? 0) + 1);
-  return [...pieces].map(([frame, count]) => ({ frame, pieces: count })).sort((a, b) => a.frame - b.frame);
+  return [...pieces]
+    .map(([frame, count]) => ({ frame, pieces: count }))
+    .sort((a, b) => a.frame - b.frame);
 }
 
 /** How many bodies a frame shows. */

@@ -1,4 +1,5 @@
-// A recording that is read in chunks, each a blob: a whole one from a page, or many from a run that goes on.
+// A recording that is read in chunks, each a blob: a whole one from a page, or many from a run that
+// goes on.
 import { readBooks, type Books } from "./books";
 import { readMeshes, scaled } from "./meshes";
 import { type Posed, fillPoses } from "./poses";
@@ -33,7 +34,16 @@ interface Chunk extends Posed {
 }
 
 /** The path of a body that a chunk does not show. */
-const ABSENT: Path = { birth: 0, end: 0, parent: -1, pull: [0, 0, 0], pose: 0, poses: 0, lead: false, yields: false };
+const ABSENT: Path = {
+  birth: 0,
+  end: 0,
+  parent: -1,
+  pull: [0, 0, 0],
+  pose: 0,
+  poses: 0,
+  lead: false,
+  yields: false,
+};
 
 export class Reel implements Footage {
   shot = "";
@@ -52,7 +62,8 @@ export class Reel implements Footage {
   append(bytes: Uint8Array): boolean {
     const blob = new Blob32(bytes);
     const header = blob.header as unknown as Header;
-    if (header.format !== FORMAT) throw new Error(`the recording has format ${header.format}, and this player reads ${FORMAT}`);
+    if (header.format !== FORMAT)
+      throw new Error(`the recording has format ${header.format}, and this player reads ${FORMAT}`);
     const step = (name: string): number => header.steps[name] ?? 1;
     const known = this.bodies.length;
     this.readBodies(blob, header, step);
@@ -138,7 +149,14 @@ export class Reel implements Footage {
       if (path === ABSENT) paths[row] = { ...ABSENT, pull: this.bodies[row]!.pull };
     });
     const [positions, orientations] = [blob.columns("positions"), blob.columns("orientations")];
-    this.chunks.push({ first: header.first, last: header.frames, bodies: paths, positions, orientations, positionStep });
+    this.chunks.push({
+      first: header.first,
+      last: header.frames,
+      bodies: paths,
+      positions,
+      orientations,
+      positionStep,
+    });
   }
 }
 

@@ -1,5 +1,8 @@
 // A shader over the whole screen.
-import { Camera, GLSL3, type IUniform, Mesh, PlaneGeometry, RawShaderMaterial, Scene, type WebGLRenderer, type WebGLRenderTarget } from "three";
+import {
+  Camera, GLSL3, type IUniform, Mesh, PlaneGeometry, RawShaderMaterial, Scene, type WebGLRenderer,
+  type WebGLRenderTarget,
+} from "three";
 import { SCREEN_VERTEX } from "./shaders/screen";
 
 export class ScreenPass {
@@ -11,7 +14,12 @@ export class ScreenPass {
     readonly uniforms: Record<string, IUniform>,
   ) {
     const material = new RawShaderMaterial({
-      glslVersion: GLSL3, vertexShader: SCREEN_VERTEX, fragmentShader, uniforms, depthTest: false, depthWrite: false,
+      glslVersion: GLSL3,
+      vertexShader: SCREEN_VERTEX,
+      fragmentShader,
+      uniforms,
+      depthTest: false,
+      depthWrite: false,
     });
     const mesh = new Mesh(new PlaneGeometry(2, 2), material);
     mesh.frustumCulled = false;

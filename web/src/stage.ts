@@ -1,8 +1,10 @@
 // Draws the bodies at a time: shadows, ambient occlusion, surfaces, glass, film. The stage's origin
 // is the first target.
 import {
-  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4, Mesh, OneFactor, type PerspectiveCamera,
-  PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type WebGLRenderer,
+  CustomBlending, type DataArrayTexture, DoubleSide, DstColorFactor, GLSL3, HalfFloatType, Matrix4,
+  Mesh, OneFactor, type PerspectiveCamera,
+  PlaneGeometry, Quaternion, RawShaderMaterial, Scene, type ShaderMaterialParameters, Vector3, type
+  WebGLRenderer,
   WebGLRenderTarget, ZeroFactor,
 } from "three";
 import { Film } from "./film";
@@ -16,11 +18,16 @@ import { SURFACE_VERTEX } from "./shaders/place";
 import { SCREEN_VERTEX } from "./shaders/screen";
 import { type Uniform, type Uniforms, makeUniforms } from "./uniforms";
 
-/** Half the width of what is drawn of a half-space, over the camera's distance: it ends in the haze. */
+/**
+ * Half the width of what is drawn of a half-space, over the camera's distance: it ends in the haze.
+ */
 const FLOOR_REACH = 40;
 
-/** Details that are left out where it is coarse, over half the height of the first view: three pixels of a picture 360 high.
- * Of `rain-100` half the triangles are left then, and of two pixels all but a few. */
+/**
+ * Details that are left out where it is coarse, over half the height of the first view: three
+ * pixels of a picture 360 high. Of `rain-100` half the triangles are left then, and of two pixels
+ * all but a few.
+ */
 const COARSE = 6 / 360;
 
 /** How much is spent on a picture. */
@@ -53,7 +60,12 @@ export class Stage {
   private readonly occlusion: Occlusion;
   private readonly film: Film;
   private readonly target = new WebGLRenderTarget(1, 1, { type: HalfFloatType, samples: 4 });
-  private readonly floors: { mesh: Mesh; body: number; matrix: Uniform<Matrix4>; normal: Uniform<Vector3> }[] = [];
+  private readonly floors: {
+    mesh: Mesh;
+    body: number;
+    matrix: Uniform<Matrix4>;
+    normal: Uniform<Vector3>;
+  }[] = [];
 
   constructor(
     private readonly renderer: WebGLRenderer,
@@ -69,7 +81,13 @@ export class Stage {
     this.occlusion = new Occlusion(renderer, this.geometries.solid, this.uniforms);
     this.film = new Film(renderer);
 
-    this.add(new Mesh(this.geometries.solid, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned })), 0);
+    this.add(
+      new Mesh(
+        this.geometries.solid,
+        this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, { side: DoubleSide, defines: skinned }),
+      ),
+      0,
+    );
     const backdrop = this.material(SCREEN_VERTEX, BACKDROP_FRAGMENT, { depthWrite: false });
     this.add(new Mesh(new PlaneGeometry(2, 2), backdrop), 2);
 
@@ -80,8 +98,16 @@ export class Stage {
       { defines: { ...skinned, GLASS: 2 }, blendSrc: OneFactor, blendDst: OneFactor },
     ] as const;
     layers.forEach((layer, index) => {
-      const rest = { ...layer, side: DoubleSide, depthWrite: false, blending: CustomBlending } as const;
-      const mesh = new Mesh(this.geometries.glass, this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, rest));
+      const rest = {
+        ...layer,
+        side: DoubleSide,
+        depthWrite: false,
+        blending: CustomBlending,
+      } as const;
+      const mesh = new Mesh(
+        this.geometries.glass,
+        this.material(SURFACE_VERTEX, SURFACE_FRAGMENT, rest),
+      );
       this.glass.push(mesh);
       this.add(mesh, 3 + index);
     });
@@ -97,7 +123,10 @@ export class Stage {
     const { footage, uniforms } = this;
     const { eye, target, fieldOfView } = footage.camera;
     this.distance0 = Math.hypot(...eye.map((part, axis) => part - target[axis]!));
-    this.geometries.fill(footage, COARSE * this.distance0 * Math.tan((fieldOfView * Math.PI) / 360));
+    this.geometries.fill(
+      footage,
+      COARSE * this.distance0 * Math.tan((fieldOfView * Math.PI) / 360),
+    );
     uniforms.hasGlass.value = this.geometries.hasGlass;
     for (const mesh of this.glass) mesh.visible = this.geometries.hasGlass;
     const tables = [
@@ -119,7 +148,8 @@ export class Stage {
     this.scene.traverse((object) => object instanceof Mesh && object.material.dispose());
     this.geometries.solid.dispose();
     this.geometries.glass.dispose();
-    for (const { value } of [this.uniforms.poses, this.uniforms.pieces, this.uniforms.materials]) value.dispose();
+    for (const { value } of [this.uniforms.poses, this.uniforms.pieces, this.uniforms.materials])
+      value.dispose();
     for (const part of [this.lamp, this.occlusion, this.film, this.target]) part.dispose();
   }
 
@@ -152,14 +182,20 @@ export class Stage {
     const { uniforms } = this;
     const distance = camera.position.distanceTo(target);
     const [width, height] = uniforms.pixels.value.toArray() as [number, number];
-    const [x, y] = picture === 0 ? [0, 0] : [((picture * 0.7548776662466927) % 1) - 0.5, ((picture * 0.5698402909980532) % 1) - 0.5];
+    const [x, y] =
+      picture === 0
+        ? [0, 0]
+        : [((picture * 0.7548776662466927) % 1) - 0.5, ((picture * 0.5698402909980532) % 1) - 0.5];
     camera.setViewOffset(width, height, x, y + this.raised * height, width, height);
     camera.updateMatrixWorld();
     uniforms.eye.value.copy(camera.position);
     uniforms.view.value.copy(camera.matrixWorldInverse);
     uniforms.projection.value.copy(camera.projectionMatrix);
     uniforms.inverseProjection.value.copy(camera.projectionMatrixInverse);
-    uniforms.viewProjection.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    uniforms.viewProjection.value.multiplyMatrices(
+      camera.projectionMatrix,
+      camera.matrixWorldInverse,
+    );
     uniforms.inverseViewProjection.value.copy(uniforms.viewProjection.value).invert();
     uniforms.taps.value = quality.taps;
     uniforms.seed.value = (picture * 0.618033988749895) % 1;
@@ -167,14 +203,19 @@ export class Stage {
     uniforms.reach.value = 0.09 * distance;
     uniforms.distance0.value = distance;
     uniforms.spacing.value = 10 ** Math.max(Math.ceil(Math.log10(distance / 30)), -6);
-    uniforms.gridOrigin.value.fromArray(this.footage.camera.target.map((part) => part % uniforms.spacing.value));
+    uniforms.gridOrigin.value.fromArray(
+      this.footage.camera.target.map((part) => part % uniforms.spacing.value),
+    );
 
     if (this.target.samples !== quality.samples) {
       this.target.dispose();
       this.target.samples = quality.samples;
     }
     this.lamp.resize(quality.shadow);
-    this.geometries.choose(quality.isCoarse && this.geometries.isLarge && distance > 0.6 * this.distance0, this.born);
+    this.geometries.choose(
+      quality.isCoarse && this.geometries.isLarge && distance > 0.6 * this.distance0,
+      this.born,
+    );
     this.lamp.draw(this.renderer, target, distance, uniforms);
     this.placeFloors(target, distance);
     if (quality.ambient) this.occlusion.draw(camera);
@@ -193,8 +234,18 @@ export class Stage {
     this.scene.add(mesh);
   }
 
-  private material(vertexShader: string, fragmentShader: string, rest: ShaderMaterialParameters): RawShaderMaterial {
-    return new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms: { ...this.uniforms }, ...rest });
+  private material(
+    vertexShader: string,
+    fragmentShader: string,
+    rest: ShaderMaterialParameters,
+  ): RawShaderMaterial {
+    return new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader,
+      fragmentShader,
+      uniforms: { ...this.uniforms },
+      ...rest,
+    });
   }
 
   private addFloor(body: number): void {
@@ -215,7 +266,11 @@ export class Stage {
       mesh.visible = poses[at + 3] === 1;
       const turn = new Quaternion().fromArray(poses, at + 4);
       normal.value.set(0, 1, 0).applyQuaternion(turn);
-      const place = target.clone().sub(new Vector3().fromArray(poses, at)).projectOnPlane(normal.value).add(new Vector3().fromArray(poses, at));
+      const place = target
+        .clone()
+        .sub(new Vector3().fromArray(poses, at))
+        .projectOnPlane(normal.value)
+        .add(new Vector3().fromArray(poses, at));
       const size = FLOOR_REACH * distance;
       matrix.value.compose(place, turn, new Vector3(size, size, size));
     }

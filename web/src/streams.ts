@@ -1,4 +1,5 @@
-// The blob that `python/frangible/io/page_data.py` describes: a header, and streams of whole numbers.
+// The blob that `python/frangible/io/page_data.py` describes: a header, and streams of whole
+// numbers.
 
 /** A stream as the header describes it. */
 export interface StreamInfo {
@@ -17,7 +18,10 @@ export class Blob32 {
 
   constructor(blob: Uint8Array) {
     const length = new DataView(blob.buffer, blob.byteOffset).getUint32(0, true);
-    const header = JSON.parse(new TextDecoder().decode(blob.subarray(4, 4 + length))) as Record<string, unknown>;
+    const header = JSON.parse(new TextDecoder().decode(blob.subarray(4, 4 + length))) as Record<
+      string,
+      unknown
+    >;
     this.header = header;
     this.streams = header["streams"] as Record<string, StreamInfo>;
     this.bytes = blob.subarray(4 + length);
@@ -37,7 +41,10 @@ export class Blob32 {
 }
 
 /** Whole numbers, column by column. */
-export function decode(bytes: Uint8Array, { offset, rows, columns, bytes: width, order }: StreamInfo): Int32Array[] {
+export function decode(
+  bytes: Uint8Array,
+  { offset, rows, columns, bytes: width, order }: StreamInfo,
+): Int32Array[] {
   const count = rows * columns;
   const folded = new Int32Array(count);
   for (let plane = 0; plane < width; plane++) {
@@ -71,8 +78,13 @@ export async function unpacked(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Arr
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Blobs of a stream, each after its length as four bytes, the lowest first; the last may be torn, and is left out. */
-export async function* blobs(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Array<ArrayBuffer>> {
+/**
+ * Blobs of a stream, each after its length as four bytes, the lowest first; the last may be torn,
+ * and is left out.
+ */
+export async function* blobs(
+  stream: ReadableStream<Uint8Array>,
+): AsyncGenerator<Uint8Array<ArrayBuffer>> {
   const reader = stream.getReader();
   let rest = new Uint8Array(0);
   for (;;) {

@@ -1,5 +1,7 @@
 // Uniforms that the shaders share.
-import { type DataArrayTexture, type DataTexture, Matrix4, type Texture, Vector2, Vector3 } from "three";
+import {
+  type DataArrayTexture, type DataTexture, Matrix4, type Texture, Vector2, Vector3,
+} from "three";
 
 /** A value that all materials read which hold the same object. */
 export interface Uniform<T> {
@@ -8,7 +10,12 @@ export interface Uniform<T> {
 
 export type Uniforms = ReturnType<typeof makeUniforms>;
 
-export function makeUniforms(poses: DataTexture, pieces: DataTexture, materials: DataTexture, images: DataArrayTexture) {
+export function makeUniforms(
+  poses: DataTexture,
+  pieces: DataTexture,
+  materials: DataTexture,
+  images: DataArrayTexture,
+) {
   return {
     poses: { value: poses },
     pieces: { value: pieces },

@@ -12,6 +12,7 @@ pub(crate) mod finish;
 mod friction;
 mod group;
 mod kernels;
+mod lane_bodies;
 mod restitution;
 mod sides;
 mod slabs;
@@ -19,6 +20,7 @@ mod sleep;
 mod solver_bodies;
 mod solver_islands;
 mod speculative_contacts;
+mod substep;
 #[cfg(test)]
 mod tests;
 mod timeline;

@@ -1,6 +1,7 @@
 //! docs/paper_map.md covers the paper, and each of its entries points to a function and a test that
 //! exist; docs/references.md has what is cited; docs/conventions.md names what exists;
-//! docs/the_step.md names the stages that a step reports.
+//! docs/the_step.md names the stages that a step reports; files and modules that the documents name
+//! exist.
 
 #![allow(
     clippy::unwrap_used,
@@ -168,6 +169,62 @@ fn names_that_the_conventions_give_as_examples_exist() {
         let uses = sources.iter().filter(|(_, text)| text.contains(&format!("{name}:"))).count();
         assert!(uses > 0, "{name} is a name of nothing");
     }
+}
+
+/// What a text has between backticks.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn files_that_the_documents_name_exist() {
+    let mut documents = texts(&root().join("docs"), &["md"]);
+    // Measurements tell of files as they were.
+    documents.retain(|(path, _)| !path.starts_with(root().join("docs/measurements")));
+    for name in ["ARCHITECTURE.md", "CONTRIBUTING.md", "README.md"] {
+        documents.push((root().join(name), fs::read_to_string(root().join(name)).unwrap()));
+    }
+    let mut count = 0;
+    for (document, text) in &documents {
+        let files = quoted(text).map(|name| name.split("::").next().unwrap()).filter(|name| {
+            let folder = name.split('/').next().unwrap();
+            ["crates", "python", "web", "docs", "bench", "tests"].contains(&folder)
+                && [".rs", ".py", ".ts", ".js", ".md"].iter().any(|end| name.ends_with(end))
+                && !name.contains(['*', '<', ' '])
+        });
+        for file in files {
+            assert!(root().join(file).exists(), "{}: no file {file}", document.display());
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count} files are named");
+}
+
+/// The file of a module such as `dynamics::energy::ledger`, or of the item at its end.
+fn module_exists(path: &str) -> bool {
+    let parts: Vec<&str> = path.split("::").collect();
+    let source = root().join("crates").join(parts[0]).join("src");
+    let inner = parts[1..parts.len() - 1].join("/");
+    let name = parts[parts.len() - 1];
+    let file = match inner.as_str() {
+        "" => source.join("lib.rs"),
+        inner => source.join(format!("{inner}.rs")),
+    };
+    source.join(&inner).join(format!("{name}.rs")).exists()
+        || fs::read_to_string(file).is_ok_and(|text| text.contains(name))
+}
+
+#[test]
+fn modules_that_the_step_names_exist() {
+    let text = fs::read_to_string(root().join("docs/the_step.md")).unwrap();
+    let crates = ["frangible::", "dynamics::", "collision::", "bodies::"];
+    let modules = quoted(&text).filter(|name| crates.iter().any(|root| name.starts_with(root)));
+    let modules: BTreeSet<&str> = modules.collect();
+    assert!(modules.len() > 20, "{modules:?}");
+    for module in modules {
+        assert!(module_exists(module), "docs/the_step.md: no module {module}");
+    }
+    assert!(!module_exists("dynamics::energy::bank_robbery"));
 }
 
 #[test]

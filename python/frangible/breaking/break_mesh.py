@@ -16,7 +16,8 @@ from ..interrupts import deaf_work
 from ..io.mesh_files import check_ending, readable_mesh
 from ..pieces import Contact, Piece, Pieces
 from ..progress import StageCallback, no_stage
-from ..recording import Float64, UInt32
+from ..recording import Float64
+from .blow import far_off, finite_point, landing_point, unit_direction
 from .cleaning import MOST_BURIED, CleanMesh
 from .mesh_skin import Below, MeshSkin, read_skin
 from .piece_count import LEAST_PIECES, MOST_PIECES, break_on_grid_into, difference, nearest_to
@@ -33,8 +34,6 @@ DEFAULT_VOXELS = 128
 MOST_VOXELS = 1024
 #: A piece of less than this part of the mean piece's volume joins its neighbour.
 DEFAULT_SMALLEST = 1e-4
-#: How far outside of the mesh's bounding box a blow may lie without a word; of its diagonal.
-NEAR = 0.05
 #: Up.
 DEFAULT_NORMAL = (0.0, 1.0, 0.0)
 
@@ -97,19 +96,35 @@ def break_mesh(
     """
     stage("reading the mesh")
     check_ending(path)
-    # Where the blow lands.
+    _check_counts(voxels, pieces, smallest)
     with readable_mesh(path, pose_time) as file:
         clean = _solids(file, thickness)
         skin = read_skin(os.fspath(path), file, inside)
     mesh = (clean["vertices"], clean["triangles"])
-    direction = np.array(normal, np.float64)
-    length = np.linalg.norm(direction)
-    if not np.all(np.isfinite(direction)) or length == 0.0:
-        raise _frangible.BuildError(f"normal: {_listed(direction)}, must be finite and not zero")
-    direction = direction / length
-    point = landing_point(mesh, direction) if at is None else np.array(at, np.float64)
-    if not np.all(np.isfinite(point)):
-        raise _frangible.BuildError(f"at: {_listed(point)}, must be finite")
+    direction = unit_direction(normal)
+    point = landing_point(mesh, direction) if at is None else finite_point(at)
+    name = os.path.splitext(os.path.basename(os.fspath(path)))[0]
+    target = _Target(name, clean, skin, point, direction, voxels, smallest)
+
+    hint = missing_packages("exact")
+    if exact:
+        _check_exact(path, clean, hint)
+    if hint is not None:
+        stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
+        uncut = "the mesh itself" if exact is None else "the grid's surface"
+        broken = _break_uncut(target, pattern, pieces, f"cutting {uncut} {hint}")
+    elif exact is False:
+        stage(f"sampling the mesh on a grid of {voxels} voxels along its longest side")
+        broken = _break_sampled(target, pattern, pieces, stage)
+    else:
+        stage("cutting the mesh along the pattern")
+        with deaf_work():
+            broken = _break_exactly(target, pattern, pieces)
+    broken.notes.extend(far_off(mesh, point, len(broken.pieces)))
+    return broken
+
+
+def _check_counts(voxels: int, pieces: int | None, smallest: float) -> None:
     if not 1 <= voxels <= MOST_VOXELS:
         raise _frangible.BuildError(f"voxels: {voxels}, must be from 1 to {MOST_VOXELS}")
     if pieces is not None and not LEAST_PIECES <= pieces <= MOST_PIECES:
@@ -118,14 +133,13 @@ def break_mesh(
     if not 0.0 <= smallest <= 1.0:
         raise _frangible.BuildError(f"smallest: {smallest:g}, must be from 0 to 1")
 
-    # Cut.
-    name = os.path.splitext(os.path.basename(os.fspath(path)))[0]
-    target = _Target(name, clean, skin, point, direction, voxels, smallest)
-    hint = missing_packages("exact")
-    if exact and hint:
+
+def _check_exact(path: str | os.PathLike[str], clean: CleanMesh, hint: str | None) -> None:
+    """`BuildError` if a mesh cannot be cut exactly: a library is missing, or it crosses itself."""
+    if hint:
         raise _frangible.BuildError(f"exact: {hint}")
     crosses = int((clean["buried"] > MOST_BURIED).sum())
-    if exact and crosses:
+    if crosses:
         surfaces = (
             "a surface that crosses itself"
             if crosses == 1
@@ -136,44 +150,27 @@ def break_mesh(
             "made anew"
         )
 
-    if hint is None and exact is False:
-        stage(f"sampling the mesh on a grid of {voxels} voxels along its longest side")
-        broken = _break_sampled(target, pattern, pieces, stage)
-    elif hint is None:
-        stage("cutting the mesh along the pattern")
-        with deaf_work():
-            broken = _break_exactly(target, pattern, pieces)
+
+def _break_uncut(
+    target: _Target, pattern: _frangible.Pattern, pieces: int | None, reason: str
+) -> Pieces:
+    """Samples of the mesh, broken on the grid, as without the extra ``exact``; notes the reason."""
+    if pieces is None:
+        on_grid = _break_on_grid(target, pattern)
     else:
-        stage(f"breaking the mesh on a grid of {voxels} voxels along its longest side")
-        if pieces is None:
-            on_grid = _break_on_grid(target, pattern)
-        else:
-            blow = (point, direction)
-            on_grid = break_on_grid_into(
-                pieces, pattern, mesh, blow, voxels, lambda chosen: _break_on_grid(target, chosen)
-            )
-        broken = _pieces_on_grid(target, on_grid)
-        if exact is None:
-            broken.notes.append(f"cutting the mesh itself {hint}")
-        else:
-            broken.notes.append(f"cutting the grid's surface {hint}")
-        if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
-            broken.notes.append(sentence)
-    broken.notes.extend(_far_off(mesh, point, len(broken.pieces)))
+        on_grid = break_on_grid_into(
+            pieces,
+            pattern,
+            (target.clean["vertices"], target.clean["triangles"]),
+            (target.at, target.normal),
+            target.voxels,
+            lambda chosen: _break_on_grid(target, chosen),
+        )
+    broken = _pieces_on_grid(target, on_grid)
+    broken.notes.append(reason)
+    if pieces is not None and (sentence := difference(len(broken.pieces), pieces)):
+        broken.notes.append(sentence)
     return broken
-
-
-def _far_off(mesh: tuple[Float64, UInt32], point: Float64, pieces: int) -> list[str]:
-    """Sentences about a blow that does not meet the mesh, and a pattern that does not cut it."""
-    low, high = mesh[0].min(axis=0), mesh[0].max(axis=0)
-    off = float(np.linalg.norm(point - np.clip(point, low, high)))
-    notes = []
-    if off > NEAR * np.linalg.norm(high - low):
-        where = f"{off:.3g} m outside of the mesh's bounding box"
-        notes.append(f"the blow at {_listed(point)} lies {where}")
-    if pieces == 1:
-        notes.append("no crack of the pattern passes through the mesh, which stays in one piece")
-    return notes
 
 
 def _solids(file: str, thickness: float | None) -> CleanMesh:
@@ -186,33 +183,6 @@ def _solids(file: str, thickness: float | None) -> CleanMesh:
     parts = {0: "no open part that could be", 1: "1 open part"}.get(plates, f"{plates} open parts")
     clean["notes"].insert(0, f"{parts} made a plate {thickness:g} m thick")
     return clean
-
-
-def _listed(vector: Float64) -> str:
-    return f"({', '.join(f'{component:g}' for component in vector)})"
-
-
-def landing_point(mesh: tuple[Float64, UInt32], normal: Float64) -> Float64:
-    """Where a line against the normal through the middle of the bounding box first meets the mesh;
-    without that, its vertex that is farthest along the normal."""
-    vertices, triangles = mesh
-    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-
-    # A triangle is met if the line passes its three edges on the same side.
-    a, b, c = (vertices[triangles[:, corner]] - middle for corner in range(3))
-    sides = np.stack(
-        [np.cross(a, b) @ normal, np.cross(b, c) @ normal, np.cross(c, a) @ normal], axis=1
-    )
-    met = np.all(sides >= 0.0, axis=1) | np.all(sides <= 0.0, axis=1)
-    facing = np.einsum("ij,ij->i", np.cross(b - a, c - a), np.broadcast_to(normal, a.shape))
-    met &= facing != 0.0
-    if not met.any():
-        farthest: Float64 = vertices[np.argmax(vertices @ normal)]
-        return farthest
-    area_normals = np.cross(b - a, c - a)[met]
-    heights = np.einsum("ij,ij->i", a[met], area_normals) / facing[met]
-    landing: Float64 = middle + heights.max() * normal
-    return landing
 
 
 def _break_on_grid(target: _Target, pattern: _frangible.Pattern) -> dict[str, Any]:

@@ -110,6 +110,20 @@ def add_scene_options(parser: argparse.ArgumentParser, besides: str = "") -> Non
     add_pose_time(parser)
 
 
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Options of a simulation: how long, and on how many threads."""
+    parser.add_argument(
+        "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
+    )
+    parser.add_argument(
+        "--threads",
+        type=natural(MOST_THREADS),
+        default=0,
+        metavar="N",
+        help="0 means one for every processor [0]",
+    )
+
+
 def chosen_scene(options: argparse.Namespace, wishes: Mapping[str, Any]) -> tuple[Scene, int, str]:
     """The scene, number of frames and name that the options of `add_scene_options` choose, with
     what is wished of a mesh file."""

@@ -23,12 +23,11 @@ from ..scenes import readable_scene
 from ..simulation import check_bodies
 from .kept_run import KeptRun, Start
 from .options import (
-    MOST_THREADS,
     add_inside,
+    add_run_options,
     add_scene_options,
     add_view,
     chosen_scene,
-    count,
     natural,
 )
 from .outputs import check_view, open_outputs, write
@@ -43,16 +42,7 @@ def add_run(commands: Any) -> None:
     run.set_defaults(command=_run)
     add_scene_options(run)
     add_wishes(run)
-    run.add_argument(
-        "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
-    )
-    run.add_argument(
-        "--threads",
-        type=natural(MOST_THREADS),
-        default=0,
-        metavar="N",
-        help="0 means one for every processor [0]",
-    )
+    add_run_options(run)
     run.add_argument(
         "--out",
         action="append",

@@ -20,7 +20,7 @@ from ..recording import Recording, step_frames
 from ..scene_skins import scene_skins
 from ..scenes import readable_scene
 from ..simulation import check_bodies
-from .options import MOST_THREADS, add_inside, add_scene_options, chosen_scene, count, natural
+from .options import add_inside, add_run_options, add_scene_options, chosen_scene
 from .results import print_json
 from .wishes import add_wishes, wished
 
@@ -35,16 +35,7 @@ def add_view_command(commands: Any) -> None:
         view, "a recording (.npz, .usda, .usdc, .glb, or the folder of a run that was stopped), or "
     )
     add_wishes(view)
-    view.add_argument(
-        "--frames", type=count, metavar="N", help="number of steps [the shot's, or 3 s]"
-    )
-    view.add_argument(
-        "--threads",
-        type=natural(MOST_THREADS),
-        default=0,
-        metavar="N",
-        help="0 means one for every processor [0]",
-    )
+    add_run_options(view)
     add_inside(view, "inside, or the look's own")
     view.add_argument(
         "--no-open", action="store_true", help="open no browser: the address is on stdout"

@@ -1,5 +1,7 @@
 // One side of all bodies with the same look: one draw call, which grows.
-import { BatchedMesh, BufferAttribute, BufferGeometry, type Color, type Material, type Matrix4 } from "three";
+import {
+  BatchedMesh, BufferAttribute, BufferGeometry, type Color, type Material, type Matrix4,
+} from "three";
 import type { Shaded } from "./normals";
 
 /** Room at first: bodies, corners, and corners of triangles. It doubles when it is used up. */
@@ -49,7 +51,8 @@ export class Batch extends BatchedMesh {
   }
 
   private reserve(vertices: number, indices: number): void {
-    if (this.instanceCount + 1 > this.maxInstanceCount) this.setInstanceCount(2 * this.maxInstanceCount);
+    if (this.instanceCount + 1 > this.maxInstanceCount)
+      this.setInstanceCount(2 * this.maxInstanceCount);
     if (this.unusedVertexCount >= vertices && this.unusedIndexCount >= indices) return;
     // What the dead leave is used first.
     this.optimize();
@@ -64,7 +67,10 @@ export class Batch extends BatchedMesh {
 }
 
 /** The triangles of a slot. */
-function sideOf({ positions, normals, slots, triangles }: Shaded, slot: number): BufferGeometry | null {
+function sideOf(
+  { positions, normals, slots, triangles }: Shaded,
+  slot: number,
+): BufferGeometry | null {
   const corners: number[] = [];
   const rows = new Map<number, number>();
   const indices: number[] = [];

@@ -12,11 +12,12 @@ interface Preset extends Omit<BodyDesc, "shape" | "breaking"> {
 const presets: Record<MaterialName, unknown> = materials.presets;
 
 /** What bodies of a material have: `{ ...MATERIALS.glass, shape }` is a body. */
-export const MATERIALS = Object.fromEntries(Object.entries(presets).map(([name, preset]) => [name, fields(preset as Preset)])) as Record<
-  MaterialName,
-  Omit<BodyDesc, "shape">
->;
+export const MATERIALS = Object.fromEntries(
+  Object.entries(presets).map(([name, preset]) => [name, fields(preset as Preset)]),
+) as Record<MaterialName, Omit<BodyDesc, "shape">>;
 
 function fields({ strength, pattern, ...rest }: Preset): Omit<BodyDesc, "shape"> {
-  return strength === undefined || pattern === undefined ? rest : { ...rest, breaking: { strength, pattern } };
+  return strength === undefined || pattern === undefined
+    ? rest
+    : { ...rest, breaking: { strength, pattern } };
 }

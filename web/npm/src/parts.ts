@@ -18,7 +18,9 @@ export class World extends Engine {
   }
 }
 
-/** The scene of a built-in shot; throws for a name that no shot has, and for shots that need files. */
+/**
+ * The scene of a built-in shot; throws for a name that no shot has, and for shots that need files.
+ */
 export function shotScene(name: string): SceneDesc {
   return JSON.parse(shotText(name)) as SceneDesc;
 }

@@ -41,7 +41,12 @@ export interface ReadableWorld {
   look(id: number): string | undefined;
   motion(id: number): string;
   parent(id: number): number | undefined;
-  surface(id: number): { positions(): Float32Array; triangles(): Uint32Array; interior(): Uint8Array; free(): void };
+  surface(id: number): {
+    positions(): Float32Array;
+    triangles(): Uint32Array;
+    interior(): Uint8Array;
+    free(): void;
+  };
 }
 
 /** Reads one world, frame after frame. After `world.restore` read at once: ids may come again. */

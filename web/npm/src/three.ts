@@ -1,6 +1,7 @@
 // A world in a scene of three.js: two draw calls for each look, however many pieces there are.
 import {
-  Color, Group, type Intersection, type Material, Matrix4, Mesh, MeshPhysicalMaterial, MeshStandardMaterial, PlaneGeometry, Quaternion, Vector3,
+  Color, Group, type Intersection, type Material, Matrix4, Mesh, MeshPhysicalMaterial,
+  MeshStandardMaterial, PlaneGeometry, Quaternion, Vector3,
 } from "three";
 import { Batch } from "./batch";
 import { type Look, lookOf, tintOf } from "./looks";
@@ -64,7 +65,10 @@ export class FrangibleMesh extends Group {
 
   /** Shows the world as it is now: after `step`, `addBody`, `removeBody`, `restore`. */
   update(): void {
-    if (this.world === null) throw new Error("FrangibleMesh.update: it was made without a world, must have one; take() shows states");
+    if (this.world === null)
+      throw new Error(
+        "FrangibleMesh.update: it was made without a world, must have one; take() shows states",
+      );
     this.take(this.reader.read(this.world));
   }
 
@@ -114,8 +118,10 @@ export class FrangibleMesh extends Group {
   /** Lets go of what the driver holds; materials that the caller made are the caller's. */
   dispose(): void {
     for (const batches of this.batches) for (const batch of batches.values()) batch.dispose();
-    for (const body of this.bodies.values()) for (const part of body.parts) if (!(part instanceof Batch)) part.geometry.dispose();
-    for (const { outside, inside } of this.made.values()) [outside, inside].forEach((material) => material.dispose());
+    for (const body of this.bodies.values())
+      for (const part of body.parts) if (!(part instanceof Batch)) part.geometry.dispose();
+    for (const { outside, inside } of this.made.values())
+      [outside, inside].forEach((material) => material.dispose());
     this.clear();
     this.bodies.clear();
     for (const batches of this.batches) batches.clear();
@@ -215,6 +221,15 @@ function materialOf(look: Look, side: "outside" | "inside"): Material {
   const [red, green, blue] = colour as [number, number, number];
   const shared = { color: new Color().setRGB(red, green, blue), metalness: metallic };
   if (clear > 0)
-    return new MeshPhysicalMaterial({ ...shared, roughness: ROUGHNESS.clear, transparent: true, opacity: 1 - clear, depthWrite: false });
-  return new MeshStandardMaterial({ ...shared, roughness: metallic > 0 ? ROUGHNESS.metal : ROUGHNESS.plain });
+    return new MeshPhysicalMaterial({
+      ...shared,
+      roughness: ROUGHNESS.clear,
+      transparent: true,
+      opacity: 1 - clear,
+      depthWrite: false,
+    });
+  return new MeshStandardMaterial({
+    ...shared,
+    roughness: metallic > 0 ? ROUGHNESS.metal : ROUGHNESS.plain,
+  });
 }

@@ -104,9 +104,14 @@ export class LiveFootage implements Footage {
       if (here < 0) return;
       const there = this.places[next]![row] ?? -1;
       const from = this.states[frame]!.poses.subarray(POSE * here, POSE * (here + 1));
-      const to = there < 0 ? from : this.states[next]!.poses.subarray(POSE * there, POSE * (there + 1));
+      const to =
+        there < 0 ? from : this.states[next]!.poses.subarray(POSE * there, POSE * (there + 1));
       for (let axis = 0; axis < 3; axis++)
-        into[at + axis] = from[axis]! + part * (to[axis]! - from[axis]!) - origin[axis]! + explode * body.pull[axis]!;
+        into[at + axis] =
+          from[axis]! +
+          part * (to[axis]! - from[axis]!) -
+          origin[axis]! +
+          explode * body.pull[axis]!;
       // The short way around.
       let cosine = 0;
       for (let axis = 3; axis < POSE; axis++) cosine += from[axis]! * to[axis]!;
@@ -131,9 +136,17 @@ export class LiveFootage implements Footage {
     const moves = born.motion === "dynamic" || parent >= 0;
     const look = lookOf(born.look, moves, this.made.size);
     this.rows.set(born.id, this.bodies.length);
-    this.meshes.push({ ...shaded(born.positions, born.triangles, born.interior), places: null, colours: null });
+    this.meshes.push({
+      ...shaded(born.positions, born.triangles, born.interior),
+      places: null,
+      colours: null,
+    });
     let radius = 0;
-    for (let i = 0; i < born.positions.length; i += 3) radius = Math.max(radius, Math.hypot(born.positions[i]!, born.positions[i + 1]!, born.positions[i + 2]!));
+    for (let i = 0; i < born.positions.length; i += 3)
+      radius = Math.max(
+        radius,
+        Math.hypot(born.positions[i]!, born.positions[i + 1]!, born.positions[i + 2]!),
+      );
     this.radii.push(radius);
     this.bodies.push({
       id: born.id,
@@ -144,7 +157,10 @@ export class LiveFootage implements Footage {
       parent,
       floor: born.triangles.length === 0,
       mesh: this.meshes.length - 1,
-      materials: parent >= 0 && born.look === "" ? this.bodies[parent]!.materials : this.sides(born.look || `body ${born.id}`, look),
+      materials:
+        parent >= 0 && born.look === ""
+          ? this.bodies[parent]!.materials
+          : this.sides(born.look || `body ${born.id}`, look),
       tint: born.parent < 0 ? [1, 1, 1] : tintOf(born.id, look.variation),
       grain: [0, 0, 0, 1],
       pull: [0, 0, 0],
@@ -169,14 +185,21 @@ export class LiveFootage implements Footage {
     });
   }
 
-  /** By how much pieces move when they are pulled apart: away from the middle of what broke off together. */
+  /**
+   * By how much pieces move when they are pulled apart: away from the middle of what broke off
+   * together.
+   */
   private pull(born: NewBody[]): void {
     const families = new Map<number, NewBody[]>();
-    for (const body of born) if (body.parent >= 0) families.set(body.parent, [...(families.get(body.parent) ?? []), body]);
+    for (const body of born)
+      if (body.parent >= 0) families.set(body.parent, [...(families.get(body.parent) ?? []), body]);
     for (const [parent, family] of families) {
       const centres = family.map((body) => this.centre(body.id));
       const mass = family.reduce((sum, body) => sum + body.mass, 0);
-      const middle = [0, 1, 2].map((axis) => family.reduce((sum, body, i) => sum + body.mass * centres[i]![axis]!, 0) / (mass || 1));
+      const middle = [0, 1, 2].map(
+        (axis) =>
+          family.reduce((sum, body, i) => sum + body.mass * centres[i]![axis]!, 0) / (mass || 1),
+      );
       // The lowest keeps its height.
       middle[1] = Math.min(...centres.map((centre) => centre[1]!));
       const before = this.bodies[this.rows.get(parent) ?? -1]?.pull ?? [0, 0, 0];
@@ -198,13 +221,18 @@ export class LiveFootage implements Footage {
   private firstView(): Footage["camera"] {
     const low = new Vector3(Infinity, Infinity, Infinity);
     const high = new Vector3(-Infinity, -Infinity, -Infinity);
-    const moving = this.states[0]!.born.filter((body) => body.motion === "dynamic" && body.triangles.length > 0);
+    const moving = this.states[0]!.born.filter(
+      (body) => body.motion === "dynamic" && body.triangles.length > 0,
+    );
     for (const born of moving) {
       const row = this.places[0]![this.rows.get(born.id)!]!;
       const pose = this.states[0]!.poses.subarray(POSE * row, POSE * (row + 1));
       const turn = new Quaternion().fromArray(pose, 3);
       for (let i = 0; i < born.positions.length; i += 3) {
-        const corner = new Vector3().fromArray(born.positions, i).applyQuaternion(turn).add(new Vector3().fromArray(pose));
+        const corner = new Vector3()
+          .fromArray(born.positions, i)
+          .applyQuaternion(turn)
+          .add(new Vector3().fromArray(pose));
         low.min(corner);
         high.max(corner);
       }
@@ -216,7 +244,12 @@ export class LiveFootage implements Footage {
   }
 }
 
-function material(name: string, look: string, { colour, metallic, clear }: Finish, inside: boolean): Material {
+function material(
+  name: string,
+  look: string,
+  { colour, metallic, clear }: Finish,
+  inside: boolean,
+): Material {
   const [red, green, blue] = colour as [number, number, number];
   return {
     name,

@@ -20,7 +20,11 @@ export interface Hit {
 }
 
 /** The nearest body of a frame on a ray; half-spaces are looked through. */
-export function pick(footage: LiveFootage, frame: number, { origin, direction }: Sight): Hit | null {
+export function pick(
+  footage: LiveFootage,
+  frame: number,
+  { origin, direction }: Sight,
+): Hit | null {
   let nearest: Hit | null = null;
   const state = footage.state(frame);
   const corners = [new Vector3(), new Vector3(), new Vector3()] as const;
@@ -31,7 +35,10 @@ export function pick(footage: LiveFootage, frame: number, { origin, direction }:
     const place = new Vector3().fromArray(state.poses, 7 * row);
     const turn = new Quaternion().fromArray(state.poses, 7 * row + 3);
     const back = turn.clone().invert();
-    const ray = new Ray(origin.clone().sub(place).applyQuaternion(back), direction.clone().applyQuaternion(back));
+    const ray = new Ray(
+      origin.clone().sub(place).applyQuaternion(back),
+      direction.clone().applyQuaternion(back),
+    );
     if (ray.distanceSqToPoint(new Vector3()) > footage.radius(body.mesh) ** 2) return;
     for (let i = 0; i < triangles.length; i += 3) {
       corners.forEach((corner, k) => corner.fromArray(positions, 3 * triangles[i + k]!));
@@ -49,11 +56,22 @@ export function pick(footage: LiveFootage, frame: number, { origin, direction }:
 /** Looks along a line over the picture: one so often finds pieces of a hundredth of its width. */
 const LOOKS = 100;
 
-/** The bodies that a line over the picture crosses, those that can move; and across its plane, which holds the eye. */
-export function crossed(footage: LiveFootage, frame: number, from: Sight, to: Sight): { bodies: number[]; normal: Vector3 } {
+/**
+ * The bodies that a line over the picture crosses, those that can move; and across its plane, which
+ * holds the eye.
+ */
+export function crossed(
+  footage: LiveFootage,
+  frame: number,
+  from: Sight,
+  to: Sight,
+): { bodies: number[]; normal: Vector3 } {
   const bodies = new Set<number>();
   for (let look = 0; look <= LOOKS; look++) {
-    const direction = from.direction.clone().lerp(to.direction, look / LOOKS).normalize();
+    const direction = from.direction
+      .clone()
+      .lerp(to.direction, look / LOOKS)
+      .normalize();
     const hit = pick(footage, frame, { origin: from.origin, direction });
     if (hit !== null && hit.mass > 0) bodies.add(hit.body);
   }

@@ -8,7 +8,12 @@ const ROUGHNESS = 0.8;
 /** Where they are then, in metres, y up; half-spaces are left out. */
 export function scene(footage: LiveFootage, frame: number): Group {
   const materials = footage.materials.map(({ name, colour, metallic, clear, roughness }) => {
-    const look = new MeshStandardMaterial({ name, color: new Color(...colour), metalness: metallic, roughness: roughness < 0 ? ROUGHNESS : roughness });
+    const look = new MeshStandardMaterial({
+      name,
+      color: new Color(...colour),
+      metalness: metallic,
+      roughness: roughness < 0 ? ROUGHNESS : roughness,
+    });
     if (clear > 0) [look.transparent, look.opacity] = [true, 1 - clear];
     return look;
   });
@@ -25,7 +30,8 @@ export function scene(footage: LiveFootage, frame: number): Group {
     const index: number[] = [];
     body.materials.forEach((material, slot) => {
       const first = index.length;
-      for (let i = 0; i < triangles.length; i += 3) if (slots[triangles[i]!] === slot) index.push(...triangles.subarray(i, i + 3));
+      for (let i = 0; i < triangles.length; i += 3)
+        if (slots[triangles[i]!] === slot) index.push(...triangles.subarray(i, i + 3));
       if (index.length > first) geometry.addGroup(first, index.length - first, material);
     });
     geometry.setIndex(index);

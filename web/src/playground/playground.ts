@@ -1,12 +1,14 @@
 // The playground: a world in the page, what somebody does to it, and what comes of that.
 import { DataArrayTexture } from "three";
-import { element } from "../panel";
+import { element, input, select } from "../element";
 import { Player } from "../player";
 import { counted } from "../units";
 import { AHEAD, MOST_AHEAD, WorldBench } from "./bench";
 import { LiveFootage } from "./live";
+import { fillMenus } from "./menus";
+import { hush, say } from "./message";
 import type { Order, Story, Told } from "./protocol";
-import { type Choice, type Dropped, MATERIALS, type MaterialName, PATTERNS, SHAPES, SHOTS, sceneOf } from "./recipe";
+import { type Choice, type Dropped, type MaterialName, SHOTS, sceneOf } from "./recipe";
 import { download, film, filmKind, piecesAsGltf } from "./save";
 import { LONGEST, MOST_FRAMES, decode, encode } from "./share";
 import { ball } from "./simulator";
@@ -23,12 +25,12 @@ const HINTS: Record<Tool, string> = {
 const HELD = 700;
 /** A first visit sees a ball on its way to the wall. */
 const FIRST_BALL = { radius: 0.18, from: [0.3, 0.9, 4.2], velocity: [-1, 1.2, -18] };
-/** The first picture of a page takes half a second and more: meanwhile so much is simulated that the second may show the
- * ball among the pieces; a world that is slow is not waited for longer than that [ms]. */
+/**
+ * The first picture of a page takes half a second and more: meanwhile so much is simulated that the
+ * second may show the ball among the pieces; a world that is slow is not waited for longer than
+ * that [ms].
+ */
 const HEAD_START = { frames: 24, patience: 400 };
-
-const input = (id: string): HTMLInputElement => element(id) as HTMLInputElement;
-const select = (id: string): HTMLSelectElement => element(id) as HTMLSelectElement;
 
 class Playground {
   footage: LiveFootage | null = null;
@@ -57,9 +59,15 @@ class Playground {
     private readonly worker: Worker,
   ) {
     this.worker.addEventListener("message", ({ data }: MessageEvent<Told>) => this.hear(data));
-    this.worker.addEventListener("error", () => say("The engine stopped: reset, or load the page again."));
-    this.tools = new Tools(canvas, element("line") as unknown as SVGLineElement, new WorldBench(canvas, this));
-    this.fillMenus();
+    this.worker.addEventListener("error", () =>
+      say("The engine stopped: reset, or load the page again."),
+    );
+    this.tools = new Tools(
+      canvas,
+      element("line") as unknown as SVGLineElement,
+      new WorldBench(canvas, this),
+    );
+    fillMenus();
     // A small window is for the world.
     const recipe = element("recipe") as HTMLDetailsElement;
     recipe.addEventListener("toggle", () => document.body.classList.toggle("chooses", recipe.open));
@@ -85,7 +93,8 @@ class Playground {
       return this.order({ kind: "build", story, frames: 0 });
     }
     const name = select("shape").value;
-    for (const id of ["material", "pattern", "pieces", "strength"]) (element(id) as HTMLInputElement).disabled = name in SHOTS;
+    for (const id of ["material", "pattern", "pieces", "strength"])
+      (element(id) as HTMLInputElement).disabled = name in SHOTS;
     this.throws = 0;
     if (name in SHOTS) return this.order({ kind: "shot", name });
     const scene = sceneOf(this.choice());
@@ -141,8 +150,15 @@ class Playground {
   /** For tests, and for who looks closely. */
   private tellDeeds(): void {
     const { actions } = this.story;
-    const count = (name: string): string => String(actions.filter((action) => name in action).length);
-    Object.assign(document.documentElement.dataset, { busy: String(this.busy), actions: String(actions.length), cuts: count("cut"), drags: count("hold"), bursts: count("burst") });
+    const count = (name: string): string =>
+      String(actions.filter((action) => name in action).length);
+    Object.assign(document.documentElement.dataset, {
+      busy: String(this.busy),
+      actions: String(actions.length),
+      cuts: count("cut"),
+      drags: count("hold"),
+      bursts: count("burst"),
+    });
   }
 
   private take({ state }: Told & { kind: "frame" }): void {
@@ -164,7 +180,9 @@ class Playground {
   private begin(footage: LiveFootage): void {
     const images = new DataArrayTexture(new Uint8Array(4).fill(255), 1, 1, 1);
     images.needsUpdate = true;
-    this.player = new Player(footage, images, this.canvas, () => say("The graphics driver gave up on this page: load it again."));
+    this.player = new Player(footage, images, this.canvas, () =>
+      say("The graphics driver gave up on this page: load it again."),
+    );
     this.player.onDraw = () => this.show();
     this.player.onUpdate = () => this.goOn();
     this.player.start();
@@ -173,7 +191,14 @@ class Playground {
   /** Simulate ahead of what is shown. */
   private goOn(): void {
     const { player, footage } = this;
-    if (player === null || footage === null || this.busy > 0 || this.filming || !player.clock.playing) return;
+    if (
+      player === null ||
+      footage === null ||
+      this.busy > 0 ||
+      this.filming ||
+      !player.clock.playing
+    )
+      return;
     const framesAPicture = (this.fps * player.clock.speed) / Math.max(this.pictures.length, 1);
     const ahead = Math.min(Math.max(Math.ceil(framesAPicture), AHEAD), MOST_AHEAD);
     const missing = Math.ceil(player.clock.time) + ahead - footage.frames;
@@ -194,7 +219,9 @@ class Playground {
     element("frame").textContent = `frame ${clock.frame}`;
     element("bodies").textContent = counted(state.ids.length, "body", "bodies");
     element("step").textContent = `${median.toFixed(1)} ms a step`;
-    element("rate").textContent = clock.playing ? `${counted(this.pictures.length, "picture")} a second` : "";
+    element("rate").textContent = clock.playing
+      ? `${counted(this.pictures.length, "picture")} a second`
+      : "";
     element("energy").textContent = `${(state.energy / 1000).toFixed(2)} kJ`;
     input("timeline").max = String(footage.frames);
     input("timeline").value = String(clock.time);
@@ -202,7 +229,12 @@ class Playground {
     const data = document.documentElement.dataset;
     [data["level"], data["calls"]] = [String(player.drawn.level), String(player.drawn.calls)];
     data["eye"] = player.camera.position.toArray().map((part) => part.toFixed(2)).join();
-    [data["frame"], data["bodies"], data["hash"], data["frames"]] = [String(clock.frame), String(state.ids.length), state.hash, String(footage.frames)];
+    [data["frame"], data["bodies"], data["hash"], data["frames"]] = [
+      String(clock.frame),
+      String(state.ids.length),
+      state.hash,
+      String(footage.frames),
+    ];
   }
 
   private choice(): Choice {
@@ -216,21 +248,9 @@ class Playground {
     };
   }
 
-  private fillMenus(): void {
-    const fill = (id: string, names: string[]): void => select(id).replaceChildren(...names.map((name) => new Option(name, name)));
-    fill("shape", Object.keys(SHAPES));
-    const shots = document.createElement("optgroup");
-    shots.label = "Scenes";
-    shots.append(...Object.entries(SHOTS).map(([name, title]) => new Option(title, name)));
-    select("shape").append(shots);
-    fill("material", MATERIALS.filter((name) => name !== "steel"));
-    // Its steps fit into a frame: those of as many rough pieces of concrete take four times as long.
-    select("material").value = "brick";
-    fill("pattern", Object.keys(PATTERNS));
-  }
-
   private listen(): void {
-    for (const id of ["shape", "material", "pattern", "pieces", "strength"]) element(id).addEventListener("change", () => this.choose());
+    for (const id of ["shape", "material", "pattern", "pieces", "strength"])
+      element(id).addEventListener("change", () => this.choose());
     element("reset").addEventListener("click", () => this.reset());
     element("undo").addEventListener("click", () => this.order({ kind: "undo" }));
     element("play").addEventListener("click", () => this.player?.clock.toggle());
@@ -241,9 +261,17 @@ class Playground {
     element("film").hidden = filmKind(this.canvas) === null;
     element("film").addEventListener("click", () => void this.saveFilm());
     element("share").addEventListener("click", () => void this.share());
-    select("speed").addEventListener("change", () => this.player && (this.player.clock.speed = Number(select("speed").value)));
-    input("explode").addEventListener("input", () => this.player && (this.player.explode = Number(input("explode").value)));
-    input("timeline").addEventListener("input", () => this.player?.clock.seek(Number(input("timeline").value)));
+    select("speed").addEventListener(
+      "change",
+      () => this.player && (this.player.clock.speed = Number(select("speed").value)),
+    );
+    input("explode").addEventListener(
+      "input",
+      () => this.player && (this.player.explode = Number(input("explode").value)),
+    );
+    input("timeline").addEventListener("input", () =>
+      this.player?.clock.seek(Number(input("timeline").value)),
+    );
     input("file").addEventListener("change", () => void this.drop(input("file").files));
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
@@ -269,7 +297,9 @@ class Playground {
     const keys: Record<string, () => void> = {
       " ": () => this.player?.clock.toggle(),
       Enter: () => this.tools.use(),
-      ...Object.fromEntries(TOOLS.map((tool, number) => [String(number + 1), () => this.takeUp(tool)])),
+      ...Object.fromEntries(
+        TOOLS.map((tool, number) => [String(number + 1), () => this.takeUp(tool)]),
+      ),
       ArrowRight: () => this.stepOnce(),
       u: () => this.order({ kind: "undo" }),
       r: () => this.reset(),
@@ -305,7 +335,8 @@ class Playground {
     const content = await film(this.canvas, kind, async () => {
       player.clock.seek(0);
       player.clock.playing = true;
-      while (player.clock.playing && player.clock.time < footage.frames && this.footage === footage) await new Promise(requestAnimationFrame);
+      while (player.clock.playing && player.clock.time < footage.frames && this.footage === footage)
+        await new Promise(requestAnimationFrame);
       await new Promise((done) => setTimeout(done, HELD));
     });
     this.filming = false;
@@ -316,9 +347,14 @@ class Playground {
 
   private async share(): Promise<void> {
     const frames = this.footage?.frames ?? 0;
-    if (frames > MOST_FRAMES) return say(`This world is too old for a link: it must have at most ${MOST_FRAMES} frames.`, 6000);
+    if (frames > MOST_FRAMES)
+      return say(
+        `This world is too old for a link: it must have at most ${MOST_FRAMES} frames.`,
+        6000,
+      );
     const text = await encode(this.story);
-    if (text.length > LONGEST) return say("This world is too long for a link: a dropped mesh must have fewer triangles.");
+    if (text.length > LONGEST)
+      return say("This world is too long for a link: a dropped mesh must have fewer triangles.");
     const link = `${location.href.split("#")[0]}#frames=${frames}&story=${text}`;
     history.replaceState(null, "", link);
     await navigator.clipboard?.writeText(link).catch(() => {});
@@ -343,25 +379,6 @@ class Playground {
     menu.value = "dropped";
     this.choose();
   }
-}
-
-/** What a file says of itself may have megabytes [characters]. */
-const LONGEST_SENTENCE = 240;
-
-let silence = 0;
-
-/** Say nothing more, but for what is said for a while. */
-function hush(): void {
-  if (silence === 0) say("");
-}
-
-/** Say something, for a while or until the next sentence; nothing says nothing. */
-function say(sentence: string, milliseconds = 0): void {
-  clearTimeout(silence);
-  silence = 0;
-  element("message").textContent = sentence.length > LONGEST_SENTENCE ? `${sentence.slice(0, LONGEST_SENTENCE)} …` : sentence;
-  element("message").hidden = sentence === "";
-  if (milliseconds > 0) silence = setTimeout(() => say(""), milliseconds) as unknown as number;
 }
 
 /** Begin with what the address asks for. */

@@ -64,7 +64,10 @@ const LONGEST_SIDE = 1.5;
 
 /** JSON of a scene: the body on the ground. */
 export function sceneOf(choice: Choice): string {
-  const { strength, pattern, ...preset } = materials.presets[choice.material] as Record<string, unknown>;
+  const { strength, pattern, ...preset } = materials.presets[choice.material] as Record<
+    string,
+    unknown
+  >;
   const [shape, height, name] =
     typeof choice.shape === "string"
       ? [SHAPES[choice.shape]!.shape, SHAPES[choice.shape]!.height, choice.shape]
@@ -78,8 +81,18 @@ export function sceneOf(choice: Choice): string {
       ...(choice.pieces > 1 ? { pieces: choice.pieces } : {}),
     };
   }
-  const ground = { name: "ground", shape: { kind: "half-space" }, motion: "static", restitution: 1 };
-  return JSON.stringify({ name, frames_per_second: FRAMES_PER_SECOND, sleep: true, bodies: [ground, body] });
+  const ground = {
+    name: "ground",
+    shape: { kind: "half-space" },
+    motion: "static",
+    restitution: 1,
+  };
+  return JSON.stringify({
+    name,
+    frames_per_second: FRAMES_PER_SECOND,
+    sleep: true,
+    bodies: [ground, body],
+  });
 }
 
 /** A material of the engine's table, or one that is so many times as strong. */
@@ -91,7 +104,11 @@ function scaled(name: string, factor: number): unknown {
 
 /** A mesh, scaled, that stands on the ground, and the height of its origin. */
 function standing({ positions, triangles }: Dropped): [Record<string, unknown>, number] {
-  const [low, high] = [Math.min, Math.max].map((extreme) => [0, 1, 2].map((axis) => positions.reduce((found, point) => extreme(found, point[axis]!), positions[0]![axis]!))) as [number[], number[]];
+  const [low, high] = [Math.min, Math.max].map((extreme) =>
+    [0, 1, 2].map((axis) =>
+      positions.reduce((found, point) => extreme(found, point[axis]!), positions[0]![axis]!),
+    ),
+  ) as [number[], number[]];
   const factor = LONGEST_SIDE / Math.max(...high.map((top, axis) => top - low[axis]!), 1e-9);
   const middle = [0, 1, 2].map((axis) => 0.5 * (low[axis]! + high[axis]!));
   const shape = {

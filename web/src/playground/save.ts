@@ -2,7 +2,9 @@
 import type { LiveFootage } from "./live";
 import { scene } from "./pieces";
 
-/** The film is drawn in real time, at about this rate [bit/s]: a wall in 1280 x 720 keeps its edges. */
+/**
+ * The film is drawn in real time, at about this rate [bit/s]: a wall in 1280 x 720 keeps its edges.
+ */
 const BITS = 8e6;
 
 /** The bodies of a frame, where they are then, as binary glTF in metres; y is up. */
@@ -14,13 +16,18 @@ export async function piecesAsGltf(footage: LiveFootage, frame: number): Promise
 
 /** The kind of film that this browser can make; `null` for none. */
 export function filmKind(canvas: HTMLCanvasElement): string | null {
-  if (typeof MediaRecorder === "undefined" || typeof canvas.captureStream !== "function") return null;
+  if (typeof MediaRecorder === "undefined" || typeof canvas.captureStream !== "function")
+    return null;
   const kinds = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
   return kinds.find((kind) => MediaRecorder.isTypeSupported(kind)) ?? null;
 }
 
 /** What a canvas shows while something plays. */
-export async function film(canvas: HTMLCanvasElement, kind: string, play: () => Promise<void>): Promise<Blob> {
+export async function film(
+  canvas: HTMLCanvasElement,
+  kind: string,
+  play: () => Promise<void>,
+): Promise<Blob> {
   const stream = canvas.captureStream();
   const recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: BITS });
   const parts: Blob[] = [];

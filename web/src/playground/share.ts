@@ -18,8 +18,12 @@ export async function encode(story: Story): Promise<string> {
 
 /** Throws for text that is no story. */
 export async function decode(text: string): Promise<Story> {
-  const packed = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (part) => part.charCodeAt(0));
-  const story: unknown = JSON.parse(new TextDecoder().decode(await through(packed, new DecompressionStream("deflate-raw"))));
+  const packed = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (part) =>
+    part.charCodeAt(0),
+  );
+  const story: unknown = JSON.parse(
+    new TextDecoder().decode(await through(packed, new DecompressionStream("deflate-raw"))),
+  );
   if (!isStory(story)) throw new Error("no story");
   return story;
 }
@@ -35,16 +39,37 @@ const DEEDS = ["add", "hold", "letGo", "cut", "burst"];
 function isAction(value: unknown): boolean {
   const { frame, ...deed } = (value ?? {}) as { frame?: unknown };
   const [name, ...more] = Object.keys(deed);
-  return Number.isSafeInteger(frame) && (frame as number) >= 0 && (frame as number) <= MOST_FRAMES && name !== undefined && more.length === 0 && DEEDS.includes(name) && isDeed(Object.values(deed)[0], name);
+  return (
+    Number.isSafeInteger(frame) &&
+    (frame as number) >= 0 &&
+    (frame as number) <= MOST_FRAMES &&
+    name !== undefined &&
+    more.length === 0 &&
+    DEEDS.includes(name) &&
+    isDeed(Object.values(deed)[0], name)
+  );
 }
 
 function isDeed(value: unknown, name: string): boolean {
   if (name === "letGo") return typeof value === "number";
   if (typeof value !== "object" || value === null) return false;
-  const isVector = (part: unknown): boolean => Array.isArray(part) && part.length === 3 && part.every((number) => typeof number === "number");
-  return name === "add" || Object.entries(value).every(([key, part]) => (key === "point" || key === "target" || key === "normal" ? isVector(part) : typeof part === "number"));
+  const isVector = (part: unknown): boolean =>
+    Array.isArray(part) && part.length === 3 && part.every((number) => typeof number === "number");
+  return (
+    name === "add" ||
+    Object.entries(value).every(([key, part]) =>
+      key === "point" || key === "target" || key === "normal"
+        ? isVector(part)
+        : typeof part === "number",
+    )
+  );
 }
 
-async function through(bytes: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array> {
-  return new Uint8Array(await new Response(new Response(bytes).body!.pipeThrough(stream)).arrayBuffer());
+async function through(
+  bytes: Uint8Array<ArrayBuffer>,
+  stream: CompressionStream | DecompressionStream,
+): Promise<Uint8Array> {
+  return new Uint8Array(
+    await new Response(new Response(bytes).body!.pipeThrough(stream)).arrayBuffer(),
+  );
 }

@@ -28,7 +28,10 @@ export class Simulator {
     try {
       this.does(order);
     } catch (error) {
-      this.tell({ kind: "fault", sentence: error instanceof Error ? error.message : String(error) });
+      this.tell({
+        kind: "fault",
+        sentence: error instanceof Error ? error.message : String(error),
+      });
     }
     this.tell({ kind: "done", story: this.story });
   }
@@ -81,7 +84,12 @@ export class Simulator {
   private act(action: Action): void {
     const world = this.needed();
     const { actions } = this.story;
-    const before = { frame: world.frame, snapshot: world.snapshot(), known: new Set(this.reader.known), actions: actions.length };
+    const before = {
+      frame: world.frame,
+      snapshot: world.snapshot(),
+      known: new Set(this.reader.known),
+      actions: actions.length,
+    };
     let changed = false;
     try {
       changed = does(world, action);
@@ -118,29 +126,46 @@ export class Simulator {
 /** Whether it changed anything; throws the rule that a deed breaks. */
 function does(world: World, deed: Deed): boolean {
   if ("letGo" in deed) return world.letGo(deed.letGo);
-  if ("cut" in deed) return world.cut(deed.cut.body, numbers(deed.cut.point), numbers(deed.cut.normal)).length > 0;
-  if ("burst" in deed) return world.burst(deed.burst.body, numbers(deed.burst.point), deed.burst.speed).length > 0;
+  if ("cut" in deed)
+    return world.cut(deed.cut.body, numbers(deed.cut.point), numbers(deed.cut.normal)).length > 0;
+  if ("burst" in deed)
+    return world.burst(deed.burst.body, numbers(deed.burst.point), deed.burst.speed).length > 0;
   if ("add" in deed) world.addBody(JSON.stringify(deed.add));
-  else world.hold(deed.hold.body, numbers(deed.hold.point), numbers(deed.hold.target), deed.hold.force);
+  else
+    world.hold(
+      deed.hold.body,
+      numbers(deed.hold.point),
+      numbers(deed.hold.target),
+      deed.hold.force,
+    );
   return true;
 }
 
 const numbers = (values: number[]): Float64Array => Float64Array.from(values);
 
-/** Whether an action is part of the drag, or of the line over many pieces, that the ones before began. */
+/**
+ * Whether an action is part of the drag, or of the line over many pieces, that the ones before
+ * began.
+ */
 function goesOn(action: Action, before: readonly Action[]): boolean {
   if ("cut" in action) {
     const last = before.at(-1);
     return last !== undefined && "cut" in last && last.frame === action.frame;
   }
   const body = "hold" in action ? action.hold.body : "letGo" in action ? action.letGo : -1;
-  const isOfIt = (one: Action): boolean => ("hold" in one && one.hold.body === body) || ("letGo" in one && one.letGo === body);
+  const isOfIt = (one: Action): boolean =>
+    ("hold" in one && one.hold.body === body) || ("letGo" in one && one.letGo === body);
   const last = before.filter(isOfIt).at(-1);
   return last !== undefined && "hold" in last;
 }
 
 /** A ball that somebody throws. */
-export function ball(radius: number, from: readonly number[], velocity: readonly number[], number: number): BodyDesc {
+export function ball(
+  radius: number,
+  from: readonly number[],
+  velocity: readonly number[],
+  number: number,
+): BodyDesc {
   return {
     name: `ball ${number}`,
     shape: { kind: "sphere", radius },

@@ -1,5 +1,5 @@
-// What a pointer does to the world: throw, drag, slice, burst. One pointer works; another one, and the
-// pointer beside all bodies, turn the view.
+// What a pointer does to the world: throw, drag, slice, burst. One pointer works; another one, and
+// the pointer beside all bodies, turn the view.
 import { Plane, Ray, Vector3 } from "three";
 import type { Hit, Sight } from "./pick";
 import type { Deed } from "./protocol";
@@ -9,8 +9,10 @@ export type Tool = (typeof TOOLS)[number];
 
 /** A press that moves further turns the view, and a shorter line cuts nothing [CSS px]. */
 const STILL = 5;
-/** A hand lifts twenty times what it holds, so that pieces follow it, but no more than two tonnes: a wall is
- * dragged, not waved [m/s^2, N]. */
+/**
+ * A hand lifts twenty times what it holds, so that pieces follow it, but no more than two tonnes: a
+ * wall is dragged, not waved [m/s^2, N].
+ */
 const LIFTS = 20 * 9.81;
 const MOST_FORCE = 2e4;
 /** Targets are rounded to millimetres, so that links stay short [1/m]. */
@@ -18,7 +20,9 @@ const TO_MILLIMETRES = 1000;
 
 /** What tools work on. */
 export interface Bench {
-  /** The way from the eye through a place of the window [CSS px]; `null` before there is a world. */
+  /**
+   * The way from the eye through a place of the window [CSS px]; `null` before there is a world.
+   */
   sight(x: number, y: number): Sight | null;
   pick(sight: Sight): Hit | null;
   /** Where a point of a body's own frame is seen [CSS px]; `null` if the body is no more. */
@@ -45,7 +49,9 @@ interface Drag {
   target: number[] | null;
 }
 
-type Stroke = { pointer: number; from: Place; to: Place } & (Drag | { kind: "slice" } | { kind: "press" });
+type Stroke = { pointer: number; from: Place; to: Place } & (
+  Drag | { kind: "slice" } | { kind: "press" }
+);
 
 export class Tools {
   tool: Tool = "throw";
@@ -57,17 +63,23 @@ export class Tools {
     private readonly bench: Bench,
   ) {
     // Before the camera's own listeners.
-    addEventListener("pointerdown", (event) => event.target === canvas && this.down(event), { capture: true });
+    addEventListener("pointerdown", (event) => event.target === canvas && this.down(event), {
+      capture: true,
+    });
     addEventListener("pointermove", (event) => this.move(event));
     addEventListener("pointerup", (event) => this.up(event));
-    addEventListener("pointercancel", (event) => this.stroke?.pointer === event.pointerId && this.drop());
+    addEventListener(
+      "pointercancel",
+      (event) => this.stroke?.pointer === event.pointerId && this.drop(),
+    );
   }
 
   /** Do what the tool does, at the middle of the picture. */
   use(): void {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const [x, y] = [left + width / 2, top + height / 2];
-    if (this.tool === "slice") this.slice({ x, y: top + 0.1 * height }, { x, y: top + 0.9 * height });
+    if (this.tool === "slice")
+      this.slice({ x, y: top + 0.1 * height }, { x, y: top + 0.9 * height });
     else this.press({ x, y });
   }
 
@@ -96,7 +108,10 @@ export class Tools {
   /** The line from what is held to the hand, or the one that cuts. */
   show(): void {
     const { stroke } = this;
-    const begin = stroke?.kind === "drag" ? this.bench.seen(stroke.hit.body, stroke.hit.pointBody) : stroke && [stroke.from.x, stroke.from.y];
+    const begin =
+      stroke?.kind === "drag"
+        ? this.bench.seen(stroke.hit.body, stroke.hit.pointBody)
+        : stroke && [stroke.from.x, stroke.from.y];
     const shown = stroke !== null && stroke.kind !== "press" && begin !== null;
     this.line.toggleAttribute("hidden", !shown);
     if (!shown) return;
@@ -134,7 +149,8 @@ export class Tools {
     stroke.to = { x: event.clientX, y: event.clientY };
     if (stroke.kind === "drag") {
       const sight = this.bench.sight(stroke.to.x, stroke.to.y);
-      const target = sight && new Ray(sight.origin, sight.direction).intersectPlane(stroke.plane, new Vector3());
+      const target =
+        sight && new Ray(sight.origin, sight.direction).intersectPlane(stroke.plane, new Vector3());
       if (target) stroke.target = rounded(target);
     }
     this.show();
@@ -168,4 +184,5 @@ export class Tools {
   }
 }
 
-const rounded = (point: Vector3): number[] => point.toArray().map((part) => Math.round(part * TO_MILLIMETRES) / TO_MILLIMETRES);
+const rounded = (point: Vector3): number[] =>
+  point.toArray().map((part) => Math.round(part * TO_MILLIMETRES) / TO_MILLIMETRES);

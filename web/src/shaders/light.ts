@@ -1,8 +1,11 @@
-// Fragment shaders: the light of the gallery's pictures (`python/frangible/render/picture.py`), without
-// rays.
+// Fragment shaders: the light of the gallery's pictures (`python/frangible/render/picture.py`),
+// without rays.
 import { TABLES } from "./place";
 
-/** Reads the lamp's shadow map; softens with the distance from what casts the shadow (Fernando 2005). */
+/**
+ * Reads the lamp's shadow map; softens with the distance from what casts the shadow (Fernando
+ * 2005).
+ */
 const LAMP = /* glsl */ `
 uniform sampler2D lampDepth;
 uniform sampler2D glassDepth;
@@ -31,12 +34,16 @@ vec2 disk(int i, int count, float turn) {
   return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
 }
 
-/** Share of the lamp that is seen from a place of its map: first how far away is what hides it, then how much that hides. */
+/**
+ * Share of the lamp that is seen from a place of its map: first how far away is what hides it, then
+ * how much that hides.
+ */
 float softened(vec3 at, vec3 n, float facing) {
   // How far the surface itself rises towards the lamp across the map, in the map's units.
   vec3 across = vec3(lampMatrix[0][0], lampMatrix[1][0], lampMatrix[2][0]);
   vec3 along = vec3(lampMatrix[0][1], lampMatrix[1][1], lampMatrix[2][1]);
-  vec2 slope = vec2(dot(n, normalize(across)), dot(n, normalize(along))) / max(facing, 0.15) * lampReach.x / lampReach.y;
+  vec2 slope = vec2(dot(n, normalize(across)), dot(n, normalize(along))) / max(facing, 0.15)
+    * lampReach.x / lampReach.y;
 
   float turn = patternTurn();
   float wide = min(LAMP_RADIUS * lampReach.y * 0.12 / lampReach.x, 0.06);
@@ -49,7 +56,8 @@ float softened(vec3 at, vec3 n, float facing) {
     if (depth < surface) { above += surface - depth; blockers += 1.0; }
   }
   if (blockers > 0.0) {
-    float radius = clamp(LAMP_RADIUS * above / blockers * lampReach.y / lampReach.x, lampReach.z / lampReach.x, wide);
+    float radius = clamp(
+      LAMP_RADIUS * above / blockers * lampReach.y / lampReach.x, lampReach.z / lampReach.x, wide);
     float open = 0.0;
     for (int i = 0; i < taps; i++) {
       vec2 offset = radius * 0.5 * disk(i, taps, turn);
@@ -75,7 +83,8 @@ float lampShare(vec3 point, vec3 n) {
   if (hasGlass) {
     float clear = 0.0, turn = patternTurn();
     for (int i = 0; i < 4; i++)
-      clear += step(at.z, texture(glassDepth, at.xy + lampReach.z / lampReach.x * disk(i, 4, turn)).r);
+      clear += step(
+        at.z, texture(glassDepth, at.xy + lampReach.z / lampReach.x * disk(i, 4, turn)).r);
     share *= mix(GLASS_SHADOW, 1.0, clear / 4.0);
   }
   return mix(share, 1.0, smoothstep(0.85, 1.0, max(away.x, away.y)));
@@ -107,7 +116,10 @@ vec3 skyLight(vec3 n) {
 }
 `;
 
-/** Grain of wood and gravel in concrete, drawn by position as `python/frangible/render/textures.py` does. */
+/**
+ * Grain of wood and gravel in concrete, drawn by position as `python/frangible/render/textures.py`
+ * does.
+ */
 const GRAIN = /* glsl */ `
 float hashed(ivec3 at) {
   uvec3 v = uvec3(at) * 1664525u + 1013904223u;
@@ -121,16 +133,21 @@ float valueNoise(vec3 point) {
   ivec3 cell = ivec3(floor(point));
   vec3 part = fract(point);
   part *= part * (3.0 - 2.0 * part);
-  vec4 low = vec4(hashed(cell), hashed(cell + ivec3(1, 0, 0)), hashed(cell + ivec3(0, 1, 0)), hashed(cell + ivec3(1, 1, 0)));
+  vec4 low = vec4(
+    hashed(cell), hashed(cell + ivec3(1, 0, 0)),
+    hashed(cell + ivec3(0, 1, 0)), hashed(cell + ivec3(1, 1, 0)));
   cell.z += 1;
-  vec4 high = vec4(hashed(cell), hashed(cell + ivec3(1, 0, 0)), hashed(cell + ivec3(0, 1, 0)), hashed(cell + ivec3(1, 1, 0)));
+  vec4 high = vec4(
+    hashed(cell), hashed(cell + ivec3(1, 0, 0)),
+    hashed(cell + ivec3(0, 1, 0)), hashed(cell + ivec3(1, 1, 0)));
   vec4 four = mix(low, high, part.z);
   vec2 two = mix(four.xy, four.zw, part.y);
   return mix(two.x, two.y, part.x);
 }
 
 vec3 wood(vec3 p) {
-  float wander = 0.5 * valueNoise(p * vec3(1.3, 9.0, 9.0)) + 0.12 * valueNoise(p * vec3(6.0, 60.0, 60.0));
+  float wander = 0.5 * valueNoise(p * vec3(1.3, 9.0, 9.0))
+    + 0.12 * valueNoise(p * vec3(6.0, 60.0, 60.0));
   float late = fract(length(p.yz + vec2(0.09, 0.05)) / 0.011 + 2.0 * wander);
   float fibre = 0.06 * (valueNoise(p * vec3(25.0, 900.0, 900.0)) - 0.5);
   return 1.0 + fibre - late * late * late * vec3(0.34, 0.44, 0.50);
@@ -166,7 +183,8 @@ vec3 shade(
   float facing = max(dot(n, lamp), 0.0);
   float sheen = sheenOf(max(dot(n, normalize(lamp - ray)), 0.0), metallic, roughness);
   vec3 mirrored = albedo * backdrop(reflect(ray, n)) * metallic;
-  return albedo * (light * facing + skyLight(n)) * (1.0 - 0.6 * metallic) + mirrored + sheen * light;
+  return albedo * (light * facing + skyLight(n)) * (1.0 - 0.6 * metallic)
+    + mirrored + sheen * light;
 }
 `;
 
@@ -242,7 +260,9 @@ vec4 laidOn(float image) {
   return image >= 0.0 ? texel : vec4(1.0);
 }
 
-/** A normal of the image, in the frame that its coordinates span on the surface (Mikkelsen 2010). */
+/**
+ * A normal of the image, in the frame that its coordinates span on the surface (Mikkelsen 2010).
+ */
 vec3 bent(vec3 n, vec3 tilt) {
   vec3 dx = dFdx(world), dy = dFdy(world);
   vec2 du = dFdx(imagePlace), dv = dFdy(imagePlace);

@@ -27,7 +27,10 @@ in vec4 cornerColour;
 uniform sampler2D poses;
 ${TABLES}
 
-/** Where the corner is, relative to the stage's origin; outside of everything for a body that is not shown. */
+/**
+ * Where the corner is, relative to the stage's origin; outside of everything for a body that is not
+ * shown.
+ */
 vec4 placed(mat4 matrix, out vec3 world) {
   vec4 pose = entry(poses, 2u * ids.x);
   world = pose.xyz + turned(entry(poses, 2u * ids.x + 1u), position);
@@ -77,7 +80,10 @@ void main() {
 }
 `;
 
-/** For what the eye sees: what a body looks like, fragments read themselves, as they are fewer where it is slow. */
+/**
+ * For what the eye sees: what a body looks like, fragments read themselves, as they are fewer where
+ * it is slow.
+ */
 export const SURFACE_VERTEX = /* glsl */ `
 ${PLACE}
 uniform mat4 viewProjection;

@@ -10,7 +10,9 @@ void main() {
 }
 `;
 
-/** How open the half sphere over each surface is to what is near: samples of depth within a reach. */
+/**
+ * How open the half sphere over each surface is to what is near: samples of depth within a reach.
+ */
 export const AMBIENT_FRAGMENT = /* glsl */ `
 precision highp float;
 in vec2 screen;
@@ -106,7 +108,8 @@ void main() {
   vec2 at = 0.5 + 0.5 * screen;
   vec3 x = 0.58 * texture(radiances, at).rgb;
   vec3 film = clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0);
-  vec3 encoded = mix(1.055 * pow(film, vec3(1.0 / 2.4)) - 0.055, 12.92 * film, lessThanEqual(film, vec3(0.0031308)));
+  vec3 bright = 1.055 * pow(film, vec3(1.0 / 2.4)) - 0.055;
+  vec3 encoded = mix(bright, 12.92 * film, lessThanEqual(film, vec3(0.0031308)));
   shown = vec4(weight < 1.0 ? mix(texture(before, at).rgb, encoded, weight) : encoded, 1.0);
 }
 `;

@@ -1,5 +1,6 @@
-//! Contact points of a pair, found once at the frame's start. Balls and convex polyhedra have exact
-//! methods; all other shapes use samples of each body in the level set of the other [GBF03 sec. 3].
+//! Contact points of a pair, found once at the frame's start. Balls, convex polyhedra, bodies of
+//! revolution and static triangles have exact methods; all other shapes use samples of each body in
+//! the level set of the other [GBF03 sec. 3].
 
 use crate::impulse_cache::ImpulseCache;
 use crate::manifold::list::{Found, Manifolds};

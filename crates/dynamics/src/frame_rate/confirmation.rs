@@ -11,7 +11,8 @@ use frangible_math::{Instructions, threads};
 use glam::{DVec3, Vec3};
 
 /// Separation up to which a second look finds points, relative to those of the first look [1]: the
-/// bodies have moved in between.
+/// bodies have moved in between. With 1, balls and pieces of `rain-25` overlap by 15.5 mm at the
+/// 99th percentile of frame 40, with this value by 12.1, with 2.5 by 12.5.
 const WIDER: f64 = 1.25;
 
 /// Pairs per task: a tenth of a millisecond of work.

@@ -1,9 +1,10 @@
 //! Contact constraints of eight manifolds side by side, in single precision.
 
 use super::constraints::{Constraint, MOST_POINTS};
-use super::solver_bodies::{
-    LaneDisplacements, LaneVelocities, Lines, displacements, inverse_inertias, velocities,
+use super::lane_bodies::{
+    LaneDisplacements, LaneVelocities, displacements, inverse_inertias, velocities,
 };
+use super::solver_bodies::Lines;
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Symmetric};
 use glam::DVec3;
 

@@ -47,33 +47,77 @@ impl FrameStart {
     }
 }
 
+/// Change of each line's momentum by contact in a frame.
+struct LineMomenta {
+    /// [N s]
+    changes: Vec<DVec3>,
+    /// True for lines with a contact that acted.
+    is_touched: Vec<bool>,
+}
+
+impl LineMomenta {
+    fn new(lines: usize) -> Self {
+        Self { changes: vec![DVec3::ZERO; lines], is_touched: vec![false; lines] }
+    }
+
+    /// An impulse acts on both lines with opposite signs, in double precision. Linear momentum is
+    /// exact despite the single-precision velocities.
+    fn exchange(&mut self, lines: [u32; 2], impulse: DVec3) {
+        let [first, second] = lines.map(|line| line as usize);
+        self.changes[first] -= impulse;
+        self.changes[second] += impulse;
+        self.is_touched[first] = true;
+        self.is_touched[second] = true;
+    }
+}
+
 impl<I: Instructions> Group<I> {
     /// Writes the solved poses and velocities to the bodies, books impulses and energy, and returns
     /// the impulse cache for the next frame.
     pub(super) fn write_back(
-        self,
+        mut self,
         bodies: &mut Bodies,
         manifolds: &[Manifold],
         frame: &Frame,
         solved: &mut Solved,
     ) -> ImpulseChunk {
-        let Solved { accounts, confirmed, .. } = solved;
-        let Self { bodies: mut solver_bodies, selections, batches, h, speculative, .. } = self;
-        for (&manifold, points) in &speculative.points {
-            confirmed.insert(manifolds[manifold as usize].pair, points.clone());
+        for (&manifold, points) in &self.speculative.points {
+            solved.confirmed.insert(manifolds[manifold as usize].pair, points.clone());
         }
+        let accounts = &mut solved.accounts;
+        let (momenta, cache) = self.book_contacts(bodies, manifolds, frame.dt, accounts);
+        for line in 0..self.bodies.lines.len() {
+            let Some(i) = self.bodies.body_of[line] else { continue };
+            if bodies.motions[i] != Motion::Dynamic {
+                continue;
+            }
+            if momenta.is_touched[line] {
+                let gravity = frame.dt * bodies.masses[i] * frame.gravity;
+                self.bodies.write_back(bodies, (line, i), momenta.changes[line] + gravity);
+            } else {
+                fall(bodies, i, frame);
+            }
+        }
+        cache
+    }
 
-        // Each impulse acts on both bodies with opposite signs, in double precision. Linear
-        // momentum is exact despite the single-precision velocities.
-        let mut momenta = vec![DVec3::ZERO; solver_bodies.lines.len()];
-        let mut is_touched = vec![false; momenta.len()];
-        let mut part = ImpulseChunk::with_room(selections.len(), 4 * selections.len());
+    /// Books each manifold's impulses of a frame of `dt` [s]: momenta of both bodies, work and
+    /// energy by cause, and the impulse cache.
+    fn book_contacts(
+        &self,
+        bodies: &Bodies,
+        manifolds: &[Manifold],
+        dt: f64,
+        accounts: &mut FrameAccounts,
+    ) -> (LineMomenta, ImpulseChunk) {
+        let Self { selections, batches, speculative, .. } = self;
+        let mut momenta = LineMomenta::new(self.bodies.lines.len());
+        let mut cache = ImpulseChunk::with_room(selections.len(), 4 * selections.len());
         let mut numbers = 0..selections.len() as u32;
         let mut features = Vec::new();
         for of_manifold in selections.chunk_by(|a, b| a.manifold == b.manifold) {
             let manifold = of_manifold[0].manifold as usize;
             let Manifold { pair, points, .. } = &manifolds[manifold];
-            let is_movable = pair.both().map(|i| !bodies.inertias[i].is_infinite());
             let mut is_acting = false;
             let mut recovered = 0.0;
             for (selection, number) in of_manifold.iter().zip(&mut numbers) {
@@ -86,24 +130,11 @@ impl<I: Instructions> Group<I> {
                 let replaced = speculative.replaced(number);
                 let given = replaced.map_or(DVec3::ZERO, |replaced| replaced.given);
                 let impulse = batch.impulse_of_frame(lane) + given;
-                let lines = selection.lines.map(|line| line as usize);
-                momenta[lines[0]] -= impulse;
-                momenta[lines[1]] += impulse;
-                for side in 0..2 {
-                    is_touched[lines[side]] = true;
-                    let on = [pair.first, pair.second][side];
-                    if is_movable[side] && !is_movable[1 - side] {
-                        let by = [pair.second, pair.first][side];
-                        let sign = if side == 0 { -1.0 } else { 1.0 };
-                        let work = batch.driven_work.get(lane);
-                        accounts.book_outside(
-                            bodies,
-                            [on, by],
-                            (sign * impulse, DVec3::ZERO),
-                            work,
-                        );
-                    }
-                }
+                momenta.exchange(selection.lines, impulse);
+                let work = batch.driven_work.get(lane);
+                let [first, second] = pair.both();
+                accounts.book_outside(bodies, [first, second], (-impulse, DVec3::ZERO), work);
+                accounts.book_outside(bodies, [second, first], (impulse, DVec3::ZERO), work);
                 recovered += batch.recovery.get(lane);
                 accounts.causes.add(Cause::Friction, batch.friction_work.get(lane));
                 features.clear();
@@ -111,29 +142,16 @@ impl<I: Instructions> Group<I> {
                     Some(replaced) => features.extend_from_slice(&replaced.features),
                     None => features.extend(selection.points().map(|at| points[at].feature)),
                 }
-                carry(&mut part, &features, (batch, lane, impulse), (h, frame.dt));
+                carry(&mut cache, &features, (batch, lane, impulse), (self.h, dt));
             }
-            part.end_pair(manifold, *pair);
+            cache.end_pair(manifold, *pair);
             if is_acting {
                 accounts.link(bodies, *pair);
                 accounts.impulses += 1;
                 accounts.recover(bodies, *pair, recovered);
             }
         }
-
-        for line in 0..momenta.len() {
-            let Some(i) = solver_bodies.body_of[line] else { continue };
-            if bodies.motions[i] != Motion::Dynamic {
-                continue;
-            }
-            if is_touched[line] {
-                let gravity = frame.dt * bodies.masses[i] * frame.gravity;
-                solver_bodies.write_back(bodies, (line, i), momenta[line] + gravity);
-            } else {
-                fall(bodies, i, frame);
-            }
-        }
-        part
+        (momenta, cache)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Friction of a batch: Coulomb's at the middle of the contact patch, twisting, and rolling.
 
 use super::contact_batch::{ContactBatch, reciprocal};
+use super::lane_bodies::LaneDisplacements;
 use super::sides::Sides;
-use super::solver_bodies::LaneDisplacements;
 use frangible_math::{Instructions, Single};
 
 impl<I: Instructions> ContactBatch<I> {

@@ -2,12 +2,12 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
-use super::kernels::{Softness, Substep};
 use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
 use super::speculative_contacts::{LOOKS_AGAIN, SpeculativeContacts, is_confirmed, may_pierce};
+use super::substep::{Softness, Substep};
 use super::timeline::Timeline;
 use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame};

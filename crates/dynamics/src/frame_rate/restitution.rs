@@ -3,10 +3,11 @@
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
-use super::kernels::Substep;
+use super::lane_bodies::{LaneDisplacements, LaneVelocities};
 use super::sides::{Sides, shortened};
-use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SolverBodies};
+use super::solver_bodies::{Lines, SolverBodies};
 use super::speculative_contacts::BatchFlags;
+use super::substep::Substep;
 use super::timeline::{BatchLines, Timeline};
 use super::touching::Touching;
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};

@@ -1,6 +1,6 @@
 //! Velocities and inverse inertias of both sides of a batch during a visit.
 
-use super::solver_bodies::LaneVelocities;
+use super::lane_bodies::LaneVelocities;
 use frangible_math::{Instructions, Single, Single3, Symmetric};
 
 /// Both bodies of eight manifolds during a visit.

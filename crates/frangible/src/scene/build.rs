@@ -16,7 +16,7 @@ use crate::scene::starts::build_waiting;
 use crate::step::body_path::BodyPath;
 use crate::step::bonds::state::Bonds;
 use crate::step::quarantine::is_representable;
-use crate::world::{Label, World};
+use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, BodyId, CollisionClass, Inertia, Motion, NewBody, Pose, Rotation, StepSettings,
     SurfaceProperties, Velocity,
@@ -25,6 +25,8 @@ use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
 use frangible_dynamics::Ledger;
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
+use glam::DVec3;
+use std::sync::Arc;
 
 impl World {
     /// Checks a scene and builds it.
@@ -164,6 +166,7 @@ fn check_inertia(shape: &Shape, density: f64, at: &Checker) -> Result<(), BuildE
     Ok(())
 }
 
+/// Checks a description and builds its body: plain numbers, breaking and shape, pose, bonds, motion.
 fn build_body(
     desc: &BodyDesc,
     (method, rate): (Method, f64),
@@ -175,23 +178,92 @@ fn build_body(
     let surface = build_surface(desc, at)?;
     let position = at.field("position").vector(desc.position, "m")?;
     let rotation = at.field("orientation").rotation(desc.orientation)?;
+    let world_from_shape = RigidTransform::new(rotation, position);
+    let given = build_velocities(desc, at)?;
+
+    // Breaking, and the shape that it asks for.
+    let of_breaking = |breaking| build_breaking(breaking, &at.field("breaking"));
+    let breaking = desc.breaking.as_ref().map(of_breaking).transpose()?;
+    let make = choose_make(desc, breaking.as_ref(), method, at)?;
+    let (shape, density) = build_solid(desc, make, density, at, library)?;
+    check_breaking(desc, breaking.as_ref(), method, at)?;
+    let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
+    let strength =
+        breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.bears(&shape, density));
+
+    // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
+    let pose_of = |world_from_shape: RigidTransform| {
+        let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
+        Pose {
+            position: world_from_body.translation,
+            orientation: world_from_body.rotation.normalize(),
+        }
+    };
+    let path = build_path(desc, rate, at, pose_of)?;
+    let pose = path.as_ref().map_or(pose_of(world_from_shape), |path| path.at(0.0));
+
+    // Bonds, and how the body moves: anchored and waiting ones are static until something frees
+    // them.
+    let of_bonds = |bonds| build_bonds(bonds, desc, &shape, &world_from_shape, &at.field("bonds"));
+    let bonds = desc.bonds.as_ref().map(of_bonds).transpose()?;
+    let is_anchored = bonds.as_ref().is_some_and(Bonds::is_anchored);
+    let [linear, angular] = given;
+    let (motion, velocity) = match desc.motion {
+        _ if is_anchored => (Motion::Static, Velocity::default()),
+        MotionDesc::Dynamic => (
+            Motion::Dynamic,
+            Velocity::spinning(linear, angular, pose.orientation, &shape, density),
+        ),
+        MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
+        MotionDesc::Static => (Motion::Static, Velocity::default()),
+    };
+    let waiting = build_waiting(desc, velocity, is_anchored, method, &at.field("starts"))?;
+    let motion = if waiting.is_some() { Motion::Static } else { motion };
+
+    let surface = SurfaceProperties { strength, ..surface };
+    let label = Label {
+        name: desc.name.clone(),
+        parent: None,
+        look: desc.look,
+        breaking: breaking.map(Box::new),
+        bonds: bonds.map(Box::new),
+        path,
+        waiting,
+    };
+    Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
+}
+
+/// Linear [m/s] and angular velocity [rad/s] of a description.
+fn build_velocities(desc: &BodyDesc, at: &Checker) -> Result<[DVec3; 2], BuildError> {
     let linear = at.field("linear_velocity").bounded(desc.linear_velocity, MOST_SPEED, "m/s")?;
     let angular =
         at.field("angular_velocity").bounded(desc.angular_velocity, MOST_SPIN, "rad/s")?;
+    Ok([linear, angular])
+}
 
-    // Breaking, and the shape that it asks for.
-    let breaking = match &desc.breaking {
-        Some(breaking) => Some(build_breaking(breaking, &at.field("breaking"))?),
-        None => None,
-    };
-    let make = match &breaking {
-        Some(breaking) => make_to_break(desc, breaking, method),
-        None => match &desc.bonds {
-            Some(bonds) => make_to_glue(bonds, desc, &at.field("bonds.pattern"))?,
-            None if is_environment(desc, method) => Make::Triangles,
-            None => Make::Whole,
-        },
-    };
+/// How a body's shape is made: as its breaking or its bonds need it.
+fn choose_make(
+    desc: &BodyDesc,
+    breaking: Option<&Breaking>,
+    method: Method,
+    at: &Checker,
+) -> Result<Make, BuildError> {
+    match (breaking, &desc.bonds) {
+        (Some(breaking), _) => Ok(make_to_break(desc, breaking, method)),
+        (None, Some(bonds)) => make_to_glue(bonds, desc, &at.field("bonds.pattern")),
+        (None, None) if is_environment(desc, method) => Ok(Make::Triangles),
+        (None, None) => Ok(Make::Whole),
+    }
+}
+
+/// Shape and density of a body, of a size, mass and inertia that impulses can be computed with.
+fn build_solid(
+    desc: &BodyDesc,
+    make: Make,
+    density: f64,
+    at: &Checker,
+    library: &mut ShapeLibrary,
+) -> Result<(Arc<Shape>, f64), BuildError> {
     let shape = library.shape(&desc.shape, make, &at.field("shape"))?;
     let has_no_mass = shape.volume == 0.0 && make != Make::Triangles;
     if has_no_mass && desc.motion != MotionDesc::Static {
@@ -206,52 +278,7 @@ fn build_body(
     if desc.motion == MotionDesc::Dynamic {
         check_inertia(&shape, density, at)?;
     }
-    check_breaking(desc, breaking.as_ref(), method, at)?;
-    let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
-    let strength =
-        breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.bears(&shape, density));
-
-    // The pose of the centre of mass and the principal axes, from that of the shape's own frame.
-    let world_from_shape = RigidTransform::new(rotation, position);
-    let pose_of = |world_from_shape: RigidTransform| {
-        let world_from_body = world_from_shape.after(&shape.body_from_grid.inverse());
-        Pose {
-            position: world_from_body.translation,
-            orientation: world_from_body.rotation.normalize(),
-        }
-    };
-    let path = build_path(desc, rate, at, pose_of)?;
-    let pose = path.as_ref().map_or(pose_of(world_from_shape), |path| path.at(0.0));
-    let bonds = match &desc.bonds {
-        Some(bonds) => {
-            Some(build_bonds(bonds, desc, &shape, &world_from_shape, &at.field("bonds"))?)
-        }
-        None => None,
-    };
-    let is_anchored = bonds.as_ref().is_some_and(Bonds::is_anchored);
-    let (breaking, bonds) = (breaking.map(Box::new), bonds.map(Box::new));
-    let (motion, velocity) = match desc.motion {
-        _ if is_anchored => (Motion::Static, Velocity::default()),
-        MotionDesc::Dynamic => (
-            Motion::Dynamic,
-            Velocity::spinning(linear, angular, pose.orientation, &shape, density),
-        ),
-        MotionDesc::Kinematic => (Motion::Kinematic { linear, angular }, Velocity::default()),
-        MotionDesc::Static => (Motion::Static, Velocity::default()),
-    };
-    let waiting = build_waiting(desc, velocity, is_anchored, method, &at.field("starts"))?;
-    let motion = if waiting.is_some() { Motion::Static } else { motion };
-    let surface = SurfaceProperties { strength, ..surface };
-    let label = Label {
-        name: desc.name.clone(),
-        parent: None,
-        look: desc.look,
-        breaking,
-        bonds,
-        path,
-        waiting,
-    };
-    Ok((NewBody { shape, density, motion, pose, velocity, surface }, label))
+    Ok((shape, density))
 }
 
 /// Surface of a body that does not break.

@@ -11,9 +11,10 @@ use crate::step::bonds::blows::Blows;
 use crate::step::bonds::fall_apart::{Broken, fall_apart, field_in_pieces};
 use crate::step::bonds::rehearsal::rehearse;
 use crate::step::bonds::state::IMPACT_TIME;
-use crate::world::World;
-use frangible_bodies::{Frame, Pair};
-use frangible_dynamics::{ContactForce, FrameAccounts};
+use crate::world::{Label, World};
+use frangible_bodies::{Bodies, Frame, Pair};
+use frangible_collision::{ImpulseCache, Manifold};
+use frangible_dynamics::{ContactForce, FrameAccounts, contact_forces};
 use frangible_fracture::PointLoad;
 
 /// Carried loads are forgotten below this part of the largest force [1].
@@ -59,6 +60,22 @@ pub(crate) fn strike_bonds(
     let mut accounts = FrameAccounts::default();
     blows.act(world, frame, &mut accounts);
     (blows.break_free(world), accounts)
+}
+
+/// Contact forces on glued bodies: they load the bonds in the next frame.
+pub(crate) fn glued_contact_forces(
+    bodies: &Bodies,
+    labels: &[Label],
+    manifolds: &[Manifold],
+    carried: &ImpulseCache,
+) -> Vec<ContactForce> {
+    let are_glued: Vec<bool> = labels.iter().map(|label| label.bonds.is_some()).collect();
+    if !are_glued.contains(&true) {
+        return Vec::new();
+    }
+    let of_glued =
+        |Manifold { pair, .. }: &Manifold| are_glued[pair.first] || are_glued[pair.second];
+    contact_forces(bodies, manifolds.iter().copied().filter(of_glued), carried)
 }
 
 /// Notes what the contacts of glued bodies carry, those of each pair together: their load in the

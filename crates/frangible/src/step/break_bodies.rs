@@ -1,12 +1,13 @@
 //! Where a blow becomes a break: bodies are replaced by their fragments [Su09 sec. 4.2].
 
 use crate::report::at_rest::at_rest;
+use crate::report::books::Totals;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
 use crate::scene::pattern_choice::PatternChoice;
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
-    Bodies, BodyId, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
+    Bodies, BodyId, Frame, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
 };
 use frangible_dynamics::{Blow, FrameAccounts, energy_at, repay_at};
 use frangible_fracture::{
@@ -68,6 +69,20 @@ pub(crate) fn break_bodies(
     }
 
     replace(world, breaks)
+}
+
+/// Breaks bodies and books what it does to the energy.
+pub(crate) fn break_and_book(
+    world: &mut World,
+    blows: &[Blow],
+    accounts: &mut FrameAccounts,
+    frame: &Frame,
+) -> (Vec<Fracture>, Vec<Option<usize>>) {
+    let (energy, work) = (Totals::of(&world.bodies, frame).energy(), accounts.causes.work);
+    let broken = break_bodies(world, blows, accounts);
+    accounts.causes.fracture +=
+        Totals::of(&world.bodies, frame).energy() - energy - (accounts.causes.work - work);
+    broken
 }
 
 /// Replaces bodies by their pieces.

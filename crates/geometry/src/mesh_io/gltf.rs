@@ -24,20 +24,46 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| malformed("it has no scene".to_owned()))?;
 
-    // Walk down the scene's nodes.
+    let placed = nodes_with_meshes(&document, scene.nodes()).map_err(malformed)?;
+
+    // Nodes may share a mesh: a small file can hold any number of triangles.
+    let all = placed.iter().flat_map(|of| of.node.mesh()).flat_map(|mesh| mesh.primitives());
+    let bytes = buffers.iter().map(Vec::len).sum();
+    let count =
+        all.map(|primitive| most_triangles(&primitive, bytes)).fold(0, usize::saturating_add);
+    TriMesh::check_size(file.name, count)?;
+
     let mut parsed = Parsed::default();
-    let (mesh, said) = (&mut parsed.mesh, &mut parsed.attributes);
-    said.materials = (0..document.materials().len()).map(|number| number.to_string()).collect();
+    let materials = 0..document.materials().len();
+    parsed.attributes.materials = materials.map(|number| number.to_string()).collect();
+    for placed in placed {
+        for primitive in placed.node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+            append(&mut parsed, &placed, &primitive, &buffers, file)?;
+        }
+    }
+    Ok(parsed)
+}
+
+/// A node with a mesh, where its parents put it.
+struct Placed<'a> {
+    node: Node<'a>,
+    scene_from_node: DMat4,
+    /// Names from the scene down to the node.
+    path: Vec<String>,
+}
+
+/// Walks down the scene's nodes.
+fn nodes_with_meshes<'a>(
+    document: &Document,
+    roots: impl Iterator<Item = Node<'a>>,
+) -> Result<Vec<Placed<'a>>, String> {
     let mut seen = vec![false; document.nodes().len()];
     let mut waiting: Vec<(Node, DMat4, Vec<String>)> =
-        scene.nodes().map(|node| (node, DMat4::IDENTITY, Vec::new())).collect();
-    let mut placed: Vec<(Node, DMat4, Vec<String>)> = Vec::new();
+        roots.map(|node| (node, DMat4::IDENTITY, Vec::new())).collect();
+    let mut placed = Vec::new();
     while let Some((node, scene_from_parent, above)) = waiting.pop() {
         if std::mem::replace(&mut seen[node.index()], true) {
-            return Err(malformed(format!(
-                "node {} is the child of more than one node",
-                node.index()
-            )));
+            return Err(format!("node {} is the child of more than one node", node.index()));
         }
         let columns = node.transform().matrix().map(|column| column.map(f64::from));
         let scene_from_node = scene_from_parent * DMat4::from_cols_array_2d(&columns);
@@ -46,55 +72,51 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
         path.extend(attributes::name(&node));
         waiting.extend(node.children().map(|child| (child, scene_from_node, path.clone())));
         if node.mesh().is_some() {
-            placed.push((node, scene_from_node, path));
+            placed.push(Placed { node, scene_from_node, path });
         }
     }
+    Ok(placed)
+}
 
-    // Nodes may share a mesh: a small file can hold any number of triangles.
-    let all = placed.iter().flat_map(|(node, _, _)| node.mesh()).flat_map(|mesh| mesh.primitives());
-    let bytes = buffers.iter().map(Vec::len).sum();
-    let count =
-        all.map(|primitive| most_triangles(&primitive, bytes)).fold(0, usize::saturating_add);
-    TriMesh::check_size(file.name, count)?;
-
-    // Append the nodes' triangles.
-    for (node, scene_from_node, path) in placed {
-        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-            let place = format!("node {}, primitive {}", node.index(), primitive.index());
-            let (positions, indices) = read(&primitive, &buffers)
-                .map_err(|reason| malformed(format!("{place} {reason}")))?;
-            let last = positions.len() as i64 - 1;
-            if let Some(&index) = indices.iter().find(|&&index| i64::from(index) > last) {
-                let (mesh, index) = (file.name.to_owned(), i64::from(index));
-                return Err(MeshError::IndexOutOfRange { mesh, place, index, first: 0, last });
-            }
-            let base = mesh.positions.len() as u32;
-            let mirrored = scene_from_node.determinant() < 0.0;
-            mesh.positions.extend(
-                positions.iter().map(|&position| scene_from_node.transform_point3(position)),
-            );
-            let turned = triangles(primitive.mode(), &indices)
-                .into_iter()
-                .map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
-            let own: Vec<[u32; 3]> = turned.collect();
-            mesh.triangles.extend(own.iter().map(|corners| corners.map(|corner| base + corner)));
-            if !file.wanted {
-                continue;
-            }
-
-            // Their attributes.
-            let corners =
-                attributes::corners(&primitive, &buffers, &scene_from_node, positions.len());
-            let material = primitive.material().index().map(|index| index as u32);
-            let object = (!path.is_empty()).then(|| number_of(&mut said.objects, path.clone()));
-            said.faces.extend(own.iter().map(|triangle| FaceAttributes {
-                object,
-                material,
-                corners: triangle.map(|corner| corners[corner as usize]),
-            }));
-        }
+/// Appends the triangles of a node's primitive, and their attributes where they are wanted.
+fn append(
+    parsed: &mut Parsed,
+    Placed { node, scene_from_node, path }: &Placed,
+    primitive: &Primitive,
+    buffers: &[Vec<u8>],
+    file: &File,
+) -> Result<(), MeshError> {
+    let place = format!("node {}, primitive {}", node.index(), primitive.index());
+    let (positions, indices) = read(primitive, buffers)
+        .map_err(|reason| file.malformed("glTF", format!("{place} {reason}")))?;
+    let last = positions.len() as i64 - 1;
+    if let Some(&index) = indices.iter().find(|&&index| i64::from(index) > last) {
+        let (mesh, index) = (file.name.to_owned(), i64::from(index));
+        return Err(MeshError::IndexOutOfRange { mesh, place, index, first: 0, last });
     }
-    Ok(parsed)
+    let Parsed { mesh, attributes: said, .. } = parsed;
+    let base = mesh.positions.len() as u32;
+    let mirrored = scene_from_node.determinant() < 0.0;
+    mesh.positions
+        .extend(positions.iter().map(|&position| scene_from_node.transform_point3(position)));
+    let turned = triangles(primitive.mode(), &indices)
+        .into_iter()
+        .map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+    let own: Vec<[u32; 3]> = turned.collect();
+    mesh.triangles.extend(own.iter().map(|corners| corners.map(|corner| base + corner)));
+    if !file.wanted {
+        return Ok(());
+    }
+
+    let corners = attributes::corners(primitive, buffers, scene_from_node, positions.len());
+    let material = primitive.material().index().map(|index| index as u32);
+    let object = (!path.is_empty()).then(|| number_of(&mut said.objects, path.clone()));
+    said.faces.extend(own.iter().map(|triangle| FaceAttributes {
+        object,
+        material,
+        corners: triangle.map(|corner| corners[corner as usize]),
+    }));
+    Ok(())
 }
 
 /// The document and the bytes of its buffers; the error completes the sentence "it is not a valid

@@ -24,11 +24,7 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
         true => text.replace("\r\n", "\n").replace('\r', "\n").into(),
         false => text,
     };
-    let mut parsed = Parsed::default();
-    let mut lists = Lists::default();
-    let (mut object, mut group): (Option<String>, Option<String>) = (None, None);
-    let (mut owner, mut material) = (None, None);
-    let (mut polygon, mut corners) = (Vec::new(), Vec::new());
+    let mut reader = Reader::default();
     let mut lines = text.lines().enumerate();
     while let Some((number, line)) = lines.next() {
         // A backslash joins a line to the next one.
@@ -38,68 +34,105 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
             line.pop();
             line.push_str(lines.next().map_or("", |(_, next)| next.trim_end()));
         }
+        reader.statement(file, &place, &line)?;
+    }
+    if reader.parsed.mesh.positions.is_empty() {
+        return Err(file.malformed("OBJ", "it has 0 vertices (lines that begin with v)"));
+    }
+    Ok(reader.parsed)
+}
 
-        // A vertex: three coordinates; a weight or a colour may follow.
+/// State between two lines of a file.
+#[derive(Default)]
+struct Reader {
+    parsed: Parsed,
+    lists: Lists,
+    /// Names of the present object and group, and the number of both together.
+    object: Option<String>,
+    group: Option<String>,
+    owner: Option<u32>,
+    material: Option<u32>,
+}
+
+impl Reader {
+    fn statement(&mut self, file: &File, place: &str, line: &str) -> Result<(), MeshError> {
         let mut words = line.split_whitespace();
         match words.next() {
-            Some("v") => {
-                let mut position = DVec3::ZERO;
-                for axis in 0..3 {
-                    let word = words.next().unwrap_or("nothing");
-                    position[axis] = word.parse().map_err(|_| {
-                        file.malformed(
-                            "OBJ",
-                            format!("{place} has {word} for a coordinate, must be a number"),
-                        )
-                    })?;
-                }
-                parsed.mesh.positions.push(position);
-                lists.colours.push(colour(words));
-            }
-            Some("vt") => lists.coordinates.push(numbers(words).map(|[u, v]| Vec2::new(u, v))),
+            Some("v") => self.vertex(file, place, words)?,
+            Some("vt") => self.lists.coordinates.push(numbers(words).map(|[u, v]| Vec2::new(u, v))),
             Some("vn") => {
                 let normal =
                     numbers(words).and_then(|normal| unit(Vec3::from_array(normal).as_dvec3()));
-                lists.normals.push(normal);
+                self.lists.normals.push(normal);
             }
             // Names reach to the end of the line.
             Some(word @ ("o" | "g" | "usemtl")) => {
                 let name = line.trim_start()[word.len()..].trim();
-                let name = (!name.is_empty()).then(|| name.to_owned());
-                let attributes = &mut parsed.attributes;
-                match word {
-                    "usemtl" => {
-                        material = name.map(|name| number_of(&mut attributes.materials, name))
-                    }
-                    "o" => (object, group) = (name, None),
-                    _ => group = name.filter(|name| name != "default"),
-                }
-                let names: Vec<String> = object.iter().chain(&group).cloned().collect();
-                owner = (!names.is_empty()).then(|| number_of(&mut attributes.objects, names));
+                self.set_name(word, (!name.is_empty()).then(|| name.to_owned()));
             }
-            // A face: three or more corners, each with the vertex before the first slash.
-            Some("f") => {
-                polygon.clear();
-                corners.clear();
-                for word in words {
-                    let vertex = corner(file, &place, word, parsed.mesh.positions.len())?;
-                    polygon.push(vertex);
-                    if file.wanted {
-                        corners.push(lists.corner(word, vertex));
-                    }
-                }
-                push_polygon(&mut parsed.mesh, &polygon);
-                if file.wanted {
-                    parsed.describe(owner, material, &polygon, &corners);
-                }
-            }
+            Some("f") => self.face(file, place, words)?,
             _ => {}
         }
+        Ok(())
     }
-    if parsed.mesh.positions.is_empty() {
-        return Err(file.malformed("OBJ", "it has 0 vertices (lines that begin with v)"));
+
+    /// Three coordinates; a weight or a colour may follow.
+    fn vertex<'a>(
+        &mut self,
+        file: &File,
+        place: &str,
+        mut words: impl Iterator<Item = &'a str>,
+    ) -> Result<(), MeshError> {
+        let mut position = DVec3::ZERO;
+        for axis in 0..3 {
+            let word = words.next().unwrap_or("nothing");
+            position[axis] = word.parse().map_err(|_| {
+                file.malformed(
+                    "OBJ",
+                    format!("{place} has {word} for a coordinate, must be a number"),
+                )
+            })?;
+        }
+        self.parsed.mesh.positions.push(position);
+        self.lists.colours.push(colour(words));
+        Ok(())
     }
-    Ok(parsed)
+
+    /// The object, group or material of the faces that follow.
+    fn set_name(&mut self, statement: &str, name: Option<String>) {
+        let attributes = &mut self.parsed.attributes;
+        match statement {
+            "usemtl" => {
+                self.material = name.map(|name| number_of(&mut attributes.materials, name));
+            }
+            "o" => (self.object, self.group) = (name, None),
+            _ => self.group = name.filter(|name| name != "default"),
+        }
+        let names: Vec<String> = self.object.iter().chain(&self.group).cloned().collect();
+        self.owner = (!names.is_empty()).then(|| number_of(&mut attributes.objects, names));
+    }
+
+    /// Three or more corners, each with the vertex before the first slash.
+    fn face<'a>(
+        &mut self,
+        file: &File,
+        place: &str,
+        words: impl Iterator<Item = &'a str>,
+    ) -> Result<(), MeshError> {
+        let (mut polygon, mut corners) = (Vec::new(), Vec::new());
+        for word in words {
+            let vertex = corner(file, place, word, self.parsed.mesh.positions.len())?;
+            polygon.push(vertex);
+            if file.wanted {
+                corners.push(self.lists.corner(word, vertex));
+            }
+        }
+        push_polygon(&mut self.parsed.mesh, &polygon);
+        if file.wanted {
+            self.parsed.describe(self.owner, self.material, &polygon, &corners);
+        }
+        Ok(())
+    }
 }
 
 /// First `N` numbers of a line; `None` if fewer.

@@ -35,19 +35,44 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
 
     // Read the elements in the order of the header; others than vertices and faces only to get past
     // them.
-    let mut parsed = Parsed::default();
-    let mut corners_of_vertices = Vec::new();
-    let mut faces = Faces::default();
+    let mut elements = Elements::default();
     for element in header.elements.values() {
-        let name = &element.name;
         if element.properties.is_empty() || element.count > body.len() {
             let reason = format!(
-                "its {} bytes cannot hold {} elements \"{name}\"",
+                "its {} bytes cannot hold {} elements \"{}\"",
                 body.len(),
-                element.count
+                element.count,
+                element.name
             );
             return Err(file.malformed("PLY", reason));
         }
+        elements.read(file, element, &mut numbers)?;
+    }
+
+    let Elements { mut parsed, corners_of_vertices, faces } = elements;
+    parsed.attributes.materials = images(&header.comments, file.path);
+    faces.add_triangles(file, &corners_of_vertices, &mut parsed)?;
+    Ok(parsed)
+}
+
+/// Vertices and faces as far as they are read.
+#[derive(Default)]
+struct Elements {
+    parsed: Parsed,
+    /// The attributes of each vertex, where they are wanted.
+    corners_of_vertices: Vec<CornerAttributes>,
+    faces: Faces,
+}
+
+impl Elements {
+    /// Reads all elements of one kind.
+    fn read(
+        &mut self,
+        file: &File,
+        element: &ElementDef,
+        numbers: &mut Numbers,
+    ) -> Result<(), MeshError> {
+        let name = &element.name;
         let axes = ["x", "y", "z"].map(|axis| element.properties.get_index_of(axis));
         let corners = ["vertex_indices", "vertex_index"]
             .iter()
@@ -63,25 +88,22 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
             match (name.as_str(), axes, corners) {
                 ("vertex", [Some(x), Some(y), Some(z)], _) => {
                     let coordinate = |at: usize| values[at].first().copied().unwrap_or(f64::NAN);
-                    parsed.mesh.positions.push(DVec3::new(
-                        coordinate(x),
-                        coordinate(y),
-                        coordinate(z),
-                    ));
+                    let position = DVec3::new(coordinate(x), coordinate(y), coordinate(z));
+                    self.parsed.mesh.positions.push(position);
                     if file.wanted {
-                        corners_of_vertices.push(besides.corner(&values));
+                        self.corners_of_vertices.push(besides.corner(&values));
                     }
                 }
                 ("vertex", _, _) => {
                     return Err(file.malformed("PLY", "its vertices have no x, y and z"));
                 }
                 ("face", _, Some(corners)) => {
-                    faces.add(&values[corners]);
+                    self.faces.add(&values[corners]);
                     if file.wanted {
-                        faces.own.push(besides.face(&values));
+                        self.faces.own.push(besides.face(&values));
                     }
                 }
-                ("tristrips", _, Some(corners)) => faces.strips.push(values[corners].clone()),
+                ("tristrips", _, Some(corners)) => self.faces.strips.push(values[corners].clone()),
                 ("face", _, None) => {
                     return Err(file.malformed("PLY", "its faces have no vertex_indices"));
                 }
@@ -91,11 +113,8 @@ pub(super) fn parse(file: &File) -> Result<Parsed, MeshError> {
                 _ => {}
             }
         }
+        Ok(())
     }
-
-    parsed.attributes.materials = images(&header.comments, file.path);
-    faces.add_triangles(file, &corners_of_vertices, &mut parsed)?;
-    Ok(parsed)
 }
 
 /// The corners of all faces, one after the other.

@@ -5,16 +5,14 @@ use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use frangible_geometry::StaticMesh;
 use glam::DVec3;
 
-/// Most products of a hull's faces and vertices with which each vertex is looked at for each face
-/// [1]: of larger hulls a bound costs less.
+/// Largest product of a hull's face and vertex counts [1] up to which a face's reach is that of the
+/// vertices; above, it is a bound from the turn. States are the same either way. With the bound for
+/// all hulls, boxes and hulls of 12 points on ground of 6 cm triangles take 4 % longer; with the
+/// vertices for all, hulls of 300 points take 20 % longer.
 const MOST_PRODUCTS: usize = 1024;
 
 /// Depth of overlaps of edges, relative to the smaller body's radius [1].
 const DEPTH: f64 = 0.25;
-
-/// Depth of overlaps of edges, relative to that of the mesh's edge under the hull's nearest face
-/// [1]: from there on the way out goes through that face.
-const LOPSIDED: f64 = 4.0;
 
 /// Features of a mesh that a hull may touch.
 #[derive(Default)]
@@ -218,14 +216,8 @@ impl Swept {
             let (start, way) = (above[from], above[to] - above[from]);
             [start + first * way, start + last * way]
         };
-        let (mut least, mut is_apart) = (f64::INFINITY, false);
-        for above in heights {
-            let [a, b] = ends(above);
-            let lowest = a.min(b);
-            least = least.min(-lowest);
-            is_apart |= lowest > 0.0;
-        }
-        let depth = if is_apart { 0.0 } else { self.most_depth.min(LOPSIDED * least) };
+        let is_apart = heights.iter().any(|above| ends(above).into_iter().all(|end| end > 0.0));
+        let depth = if is_apart { 0.0 } else { self.most_depth };
         let deepest = -self.margin - depth;
         let (mut near, mut count) = (0, 0);
         for (number, (face, above)) in self.faces.iter().zip(heights).enumerate() {
