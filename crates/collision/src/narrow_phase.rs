@@ -17,3 +17,4 @@ pub(crate) mod samples;
 pub(crate) mod seam_contacts;
 pub(crate) mod seams;
 pub(crate) mod sphere;
+pub(crate) mod way_out;
