@@ -52,7 +52,8 @@ pub(crate) fn way_out(
         for (face, plane) in hull.planes().iter().enumerate() {
             let overlap =
                 plane.offset + pieces[1 - side].shape.reach(&own_from_other, -plane.normal);
-            if overlap <= 0.0 {
+            // Planes and triangles have no other side.
+            if overlap <= 0.0 || overlap.is_infinite() {
                 return None;
             }
             if best.is_some_and(|(least, ..)| overlap >= least) {
