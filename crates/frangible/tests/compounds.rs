@@ -246,3 +246,28 @@ fn what_lies_deep_in_a_corner_comes_out() {
     assert!(overlap < 5e-4, "{overlap} m");
     assert!(world.bodies().velocities[1].linear.length() < 0.3);
 }
+
+/// Tables on tables come to rest: their feet bear on the same corners in every frame.
+#[test]
+fn stacks_of_tables_rest() {
+    let table = |s: f64| {
+        let leg =
+            |x: f64, z: f64| part([0.1 * s, 0.8 * s, 0.1 * s], [0.45 * x * s, 0.0, 0.45 * z * s]);
+        let top = part([s, 0.1 * s, s], [0.0, 0.45 * s, 0.0]);
+        let parts = vec![top, leg(1.0, 1.0), leg(1.0, -1.0), leg(-1.0, 1.0), leg(-1.0, -1.0)];
+        ShapeDesc::Compound { parts, resolution: Resolution::default() }
+    };
+    for (s, count) in [(0.05, 4), (0.2, 3), (0.8, 6)] {
+        let body = |n: usize| BodyDesc {
+            position: [0.0, (0.4 + 0.9 * n as f64) * s, 0.0],
+            restitution: 0.0,
+            ..BodyDesc::new("table", table(s))
+        };
+        let bodies: Vec<BodyDesc> = (0..count).map(body).collect();
+        let world = run(&scene(Method::FrameRate, bodies), 240, |_, _| ());
+        for velocity in &world.bodies().velocities {
+            let speed = velocity.linear.length();
+            assert!(speed < 1e-3, "{count} of {s} m: {speed} m/s");
+        }
+    }
+}
