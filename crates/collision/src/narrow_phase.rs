@@ -12,6 +12,7 @@ pub(crate) mod hull_plane;
 pub(crate) mod mesh;
 pub(crate) mod pair_motion;
 pub(crate) mod pair_separation;
+pub(crate) mod pierced;
 pub(crate) mod revolved;
 pub(crate) mod samples;
 pub(crate) mod seam_contacts;
