@@ -43,6 +43,7 @@ pub(crate) fn compound_points(
     let (mut found, mut of_parts) = (Found::default(), Vec::new());
     // A plane with faces of several parts is met once.
     let mut planes: Vec<(Parts, HalfSpace)> = Vec::new();
+    let mut taken: Vec<(Parts, ManifoldPoint)> = Vec::new();
     for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
         of_parts.clear();
         if !exact_points(pair_motion, of_pair.shapes(parts), scratch, &mut of_parts) {
@@ -50,6 +51,7 @@ pub(crate) fn compound_points(
         }
         if let Some(seams) = of_pair.seams(parts) {
             let mover = 1 - seams.side;
+            let before = of_parts.clone();
             for plane in take_covered(&seams, &mut of_parts) {
                 let is_known = |(of, known): &(Parts, HalfSpace)| {
                     of[mover] == parts[mover] && seams.is_flush(known, &plane)
@@ -58,6 +60,8 @@ pub(crate) fn compound_points(
                     planes.push((parts, plane));
                 }
             }
+            let is_taken = |point: &ManifoldPoint| !of_parts.contains(point);
+            taken.extend(before.into_iter().filter(is_taken).map(|point| (parts, point)));
         }
         found.add(&of_pair, parts, &of_parts);
     }
@@ -67,6 +71,12 @@ pub(crate) fn compound_points(
             plane_points(&seams, of_pair.shapes(parts), &plane, scratch, &mut of_parts);
         }
         found.add(&of_pair, parts, &of_parts);
+    }
+    // What lies deep below a seam may be over no face.
+    if found.is_empty() {
+        for (parts, point) in taken.into_iter().filter(|(_, point)| point.gap < 0.0) {
+            found.add(&of_pair, parts, &[point]);
+        }
     }
     points.extend(few(pair_motion, &found.outside(&of_pair), scratch));
     true
@@ -85,6 +95,10 @@ struct Found {
 }
 
 impl Found {
+    fn is_empty(&self) -> bool {
+        self.shown.is_empty() && self.hidden.is_empty() && self.stuck.is_empty()
+    }
+
     /// Adds the points of two parts.
     fn add(&mut self, of_pair: &CompoundPair, parts: Parts, of_parts: &[ManifoldPoint]) {
         let deep = -of_pair.pair_motion.grazing();

@@ -177,6 +177,9 @@ fn what_the_narrow_phase_missed_it_finds() {
         ([Box, Cylinder], 1_122_232),
         // Deep inside of a compound.
         ([Compound, Compound], 121),
+        // Below a seam, and over none of its faces.
+        ([Box, Compound], 1_001_027),
+        ([Hull, Compound], 9_005_210),
         // Nearly parallel edges, one ten thousand times as long: triangles whose normal is rounding.
         ([Box, Box], 9_044_494),
         ([Box, Box], 9_082_383),
