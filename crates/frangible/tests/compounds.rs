@@ -184,3 +184,90 @@ fn seams_are_smooth_and_hollows_are_empty() {
         assert!((ball.position.y - 0.2).abs() < 5e-3, "{method:?}: {}", ball.position);
     }
 }
+
+/// What starts deep where two parts of a compound join, each part's shortest way out leading into
+/// the other one, is out within a second, and slowly.
+#[test]
+fn what_lies_deep_in_a_joint_comes_out() {
+    let parts = vec![part([1.0, 0.3, 0.5], [0.0; 3]), part([0.4, 0.8, 0.5], [0.3, 0.55, 0.0])];
+    let joint = ShapeDesc::Compound { parts, resolution: Resolution::default() };
+    let resolution = Resolution::default();
+    let small = [
+        ShapeDesc::Box { size: [0.1; 3], resolution: resolution.clone() },
+        ShapeDesc::Sphere { radius: 0.06, resolution: resolution.clone() },
+        ShapeDesc::Cone { radius: 0.06, height: 0.1, resolution: resolution.clone() },
+        ShapeDesc::Cylinder { radius: 0.05, height: 0.1, resolution },
+        ShapeDesc::Compound {
+            parts: vec![part([0.1, 0.05, 0.1], [0.0; 3]), part([0.05, 0.1, 0.1], [0.0; 3])],
+            resolution: Resolution::default(),
+        },
+    ];
+    for motion in [frangible::MotionDesc::Static, frangible::MotionDesc::Dynamic] {
+        for (shape, up) in small.iter().flat_map(|shape| [(shape, -0.02), (shape, 0.02)]) {
+            let of_joint = BodyDesc { motion, ..BodyDesc::new("joint", joint.clone()) };
+            let of_small = BodyDesc {
+                position: [0.28, 0.155 + up, 0.16],
+                orientation: [0.05, 0.09, 0.14, 0.98],
+                ..BodyDesc::new("small", shape.clone())
+            };
+            let mut scene = SceneDesc::new("joint");
+            scene.gravity = [0.0; 3];
+            scene.bodies = vec![of_joint, of_small];
+            let world = run(&scene, 30, |world, _| {
+                let speed = world.bodies().velocities[1].linear.length();
+                assert!(speed < 1.0, "{shape:?}: {speed} m/s");
+            });
+            let overlap = world.penetrations().into_iter().fold(0.0, f64::max);
+            assert!(overlap < 2e-4, "{motion:?} {shape:?}: {overlap} m");
+        }
+    }
+}
+
+/// A cone that lies in the corner of a bin, deep in the floor and in a wall.
+#[test]
+fn what_lies_deep_in_a_corner_comes_out() {
+    let wall = |x: f64| part([0.1, 3.0, 1.2], [x, 1.5, 0.0]);
+    let parts = vec![part([1.2, 0.1, 1.2], [0.0, -0.05, 0.0]), wall(0.55), wall(-0.55)];
+    let bin = BodyDesc {
+        motion: frangible::MotionDesc::Static,
+        ..BodyDesc::new("bin", ShapeDesc::Compound { parts, resolution: Resolution::default() })
+    };
+    let cone = ShapeDesc::Cone { radius: 0.072, height: 0.113, resolution: Resolution::default() };
+    let cone = BodyDesc {
+        position: [-0.480, 0.027, -0.199],
+        orientation: [-0.0405, 0.4064, -0.1104, -0.9061],
+        restitution: 0.0,
+        ..BodyDesc::new("cone", cone)
+    };
+    let mut scene = SceneDesc::new("corner");
+    scene.bodies = vec![bin, cone];
+    let world = run(&scene, 60, |_, _| ());
+    let overlap = world.penetrations().into_iter().fold(0.0, f64::max);
+    assert!(overlap < 5e-4, "{overlap} m");
+    assert!(world.bodies().velocities[1].linear.length() < 0.3);
+}
+
+/// Tables on tables come to rest: their feet bear on the same corners in every frame.
+#[test]
+fn stacks_of_tables_rest() {
+    let table = |s: f64| {
+        let leg =
+            |x: f64, z: f64| part([0.1 * s, 0.8 * s, 0.1 * s], [0.45 * x * s, 0.0, 0.45 * z * s]);
+        let top = part([s, 0.1 * s, s], [0.0, 0.45 * s, 0.0]);
+        let parts = vec![top, leg(1.0, 1.0), leg(1.0, -1.0), leg(-1.0, 1.0), leg(-1.0, -1.0)];
+        ShapeDesc::Compound { parts, resolution: Resolution::default() }
+    };
+    for (s, count) in [(0.05, 4), (0.2, 3), (0.8, 6)] {
+        let body = |n: usize| BodyDesc {
+            position: [0.0, (0.4 + 0.9 * n as f64) * s, 0.0],
+            restitution: 0.0,
+            ..BodyDesc::new("table", table(s))
+        };
+        let bodies: Vec<BodyDesc> = (0..count).map(body).collect();
+        let world = run(&scene(Method::FrameRate, bodies), 240, |_, _| ());
+        for velocity in &world.bodies().velocities {
+            let speed = velocity.linear.length();
+            assert!(speed < 1e-3, "{count} of {s} m: {speed} m/s");
+        }
+    }
+}

@@ -348,3 +348,47 @@ fn corners_stay_before_plates() {
     }
     assert!(past <= 12, "{past} of 300");
 }
+
+/// Corners of sampled bodies that an impact has turned through a thin plate come out of it again,
+/// to the side from which they came, and take no energy from it. Of 120 shots 14 hung in the plate
+/// when the nearest surface counted.
+#[test]
+fn sampled_corners_come_out_of_plates() {
+    let mut runner = TestRunner::deterministic();
+    let shots = (
+        (0.1..1.0f64, 5.0..100.0f64, 1e-3..0.02f64, 0.0..1.0f64),
+        (prop::array::uniform4(-1.0..1.0f64), prop::array::uniform3(-20.0..20.0f64)),
+    );
+    let mut through = 0;
+    for _ in 0..120 {
+        let ((size, speed, thickness, phase), (turn, spin)) =
+            shots.new_tree(&mut runner).unwrap().current();
+        let plate = BodyDesc { friction: 0.2, ..fixed([8.0, 8.0, thickness], [0.0; 3]) };
+        let resolution = Resolution { voxels: Some([16; 3]), ..Resolution::default() };
+        let sampled = ShapeDesc::Box { size: [size, 0.7 * size, 0.5 * size], resolution };
+        let body = BodyDesc {
+            position: [0.1, -0.2, -1.5 - phase * speed / 30.0],
+            orientation: turn,
+            linear_velocity: [0.0, 0.0, speed],
+            angular_velocity: spin,
+            restitution: 0.0,
+            ..BodyDesc::new("body", sampled)
+        };
+        let scene =
+            SceneDesc { bodies: vec![plate, body], gravity: [0.0; 3], ..SceneDesc::new("plate") };
+        let mut world = World::build(&scene).unwrap();
+        for _ in 0..(60.0 / speed) as u32 + 8 {
+            let report = frangible::step(&mut world);
+            assert!(report.energy.gain <= 1e-9 * report.energy.total);
+        }
+        let (shape, pose) = (&world.bodies().shapes[1], &world.bodies().poses[1]);
+        let furthest = shape
+            .samples()
+            .iter()
+            .map(|sample| pose.world_from_body().point(sample.as_dvec3()))
+            .filter(|point| point.x.abs() < 4.0 && point.y.abs() < 4.0)
+            .fold(0.0, |furthest: f64, point| furthest.max(point.z));
+        through += u32::from(furthest > thickness + 0.02 * size);
+    }
+    assert_eq!(through, 0);
+}

@@ -8,7 +8,8 @@ use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::seam_contacts::{plane_points, take_covered};
-use crate::narrow_phase::seams::{Seams, near_seams};
+use crate::narrow_phase::seams::{SAME_NORMAL, Seams, near_seams};
+use crate::narrow_phase::way_out::{Piece, way_out};
 use crate::relative_motion::{Placed, second_from_first};
 use frangible_geometry::{Compound, HalfSpace, Shape};
 
@@ -39,16 +40,10 @@ pub(crate) fn compound_points(
     }
 
     let of_pair = CompoundPair { pair_motion, shapes, compounds };
-    let (mut all, mut hidden, mut of_parts) = (Vec::new(), Vec::new(), Vec::new());
-    let mut add = |parts: Parts, of_parts: &[ManifoldPoint]| {
-        for point in of_parts {
-            let is_hidden = of_pair.is_covered(parts, point);
-            let of_points = if is_hidden { &mut hidden } else { &mut all };
-            of_points.push(ManifoldPoint { feature: feature_of(point.feature, parts), ..*point });
-        }
-    };
+    let (mut found, mut of_parts) = (Found::default(), Vec::new());
     // A plane with faces of several parts is met once.
     let mut planes: Vec<(Parts, HalfSpace)> = Vec::new();
+    let mut taken: Vec<(Parts, ManifoldPoint)> = Vec::new();
     for parts in near_parts(pair_motion.placed(), compounds, pair_motion.reach) {
         of_parts.clear();
         if !exact_points(pair_motion, of_pair.shapes(parts), scratch, &mut of_parts) {
@@ -56,6 +51,7 @@ pub(crate) fn compound_points(
         }
         if let Some(seams) = of_pair.seams(parts) {
             let mover = 1 - seams.side;
+            let before = of_parts.clone();
             for plane in take_covered(&seams, &mut of_parts) {
                 let is_known = |(of, known): &(Parts, HalfSpace)| {
                     of[mover] == parts[mover] && seams.is_flush(known, &plane)
@@ -64,22 +60,91 @@ pub(crate) fn compound_points(
                     planes.push((parts, plane));
                 }
             }
+            let is_taken = |point: &ManifoldPoint| !of_parts.contains(point);
+            taken.extend(before.into_iter().filter(is_taken).map(|point| (parts, point)));
         }
-        add(parts, &of_parts);
+        found.add(&of_pair, parts, &of_parts);
     }
     for (parts, plane) in planes {
         of_parts.clear();
         if let Some(seams) = of_pair.seams(parts) {
             plane_points(&seams, of_pair.shapes(parts), &plane, scratch, &mut of_parts);
         }
-        add(parts, &of_parts);
+        found.add(&of_pair, parts, &of_parts);
     }
-    // A body deep in a compound touches only features that neighbouring parts cover.
-    if all.is_empty() {
-        all.extend(hidden.into_iter().filter(|point| point.gap < 0.0));
+    // What lies deep below a seam may be over no face.
+    if found.is_empty() {
+        for (parts, point) in taken.into_iter().filter(|(_, point)| point.gap < 0.0) {
+            found.add(&of_pair, parts, &[point]);
+        }
     }
-    points.extend(few(pair_motion, &all, scratch));
+    points.extend(few(pair_motion, &found.outside(&of_pair), scratch));
     true
+}
+
+/// Points of all parts.
+#[derive(Default)]
+struct Found {
+    /// Those with normals of the compound.
+    shown: Vec<ManifoldPoint>,
+    /// Overlaps that lead from one part into the next one.
+    hidden: Vec<ManifoldPoint>,
+    /// Parts that overlap deeply, and lead into others with all of their points; and the deepest of
+    /// those.
+    stuck: Vec<(Parts, ManifoldPoint)>,
+}
+
+impl Found {
+    fn is_empty(&self) -> bool {
+        self.shown.is_empty() && self.hidden.is_empty() && self.stuck.is_empty()
+    }
+
+    /// Adds the points of two parts.
+    fn add(&mut self, of_pair: &CompoundPair, parts: Parts, of_parts: &[ManifoldPoint]) {
+        let deep = -of_pair.pair_motion.grazing();
+        let mut deepest: Option<ManifoldPoint> = None;
+        let of_all = |point: ManifoldPoint| ManifoldPoint {
+            feature: feature_of(point.feature, parts),
+            ..point
+        };
+        let (hidden, shown): (Vec<_>, Vec<_>) =
+            of_parts.iter().copied().partition(|point| of_pair.is_covered(parts, point));
+        self.shown.extend(shown.iter().copied().map(of_all));
+        for point in hidden {
+            // A side that is free in places is a side, however deep its covered points are.
+            let is_side = |shown: &ManifoldPoint| shown.normal.dot(point.normal) >= SAME_NORMAL;
+            if point.gap >= deep {
+                self.hidden.extend((point.gap < 0.0).then(|| of_all(point)));
+            } else if shown.iter().any(is_side) {
+                self.shown.push(of_all(point));
+            } else if deepest.is_none_or(|deepest| point.gap < deepest.gap) {
+                deepest = Some(point);
+            }
+        }
+        self.stuck.extend(deepest.map(|point| (parts, point)));
+    }
+
+    /// The points that part the bodies.
+    fn outside(self, of_pair: &CompoundPair) -> Vec<ManifoldPoint> {
+        let Self { mut shown, mut hidden, stuck } = self;
+        for (parts, point) in stuck {
+            let of_parts = [0, 1].map(|side| {
+                let of_compound = of_pair.compounds[side].zip(parts[side]);
+                Piece { shape: of_pair.shapes(parts)[side], of_compound }
+            });
+            match way_out(of_pair.pair_motion, of_parts, &point, &shown) {
+                Some(way) => {
+                    shown.push(ManifoldPoint { feature: feature_of(way.feature, parts), ..way });
+                }
+                None => {
+                    let feature = feature_of(point.feature, parts);
+                    hidden.push(ManifoldPoint { feature, ..point });
+                }
+            }
+        }
+        // A body deep in a compound touches only features that neighbouring parts cover.
+        if shown.is_empty() { hidden } else { shown }
+    }
 }
 
 impl<'a> CompoundPair<'a> {

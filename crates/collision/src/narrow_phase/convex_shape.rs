@@ -1,6 +1,8 @@
 //! Collision shapes: exact convex shapes, static triangles, or samples.
 
+use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use frangible_geometry::{ClosedForm, Geometry, HalfSpace, Hull, Revolved, Shape, StaticMesh};
+use frangible_math::RigidTransform;
 use glam::DVec3;
 
 /// Collision shape of a body, or of a part.
@@ -36,6 +38,23 @@ impl<'a> ConvexShape<'a> {
             (Geometry::Mesh(mesh), _) => Self::Mesh(mesh),
             (_, Some(hull)) => Self::Hull(hull),
             _ => Self::Other(shape),
+        }
+    }
+
+    /// Largest component of a body at a place in a direction [m]; infinite for shapes that are not
+    /// convex, or have no end.
+    pub(crate) fn reach(&self, here_from_body: &RigidTransform, direction: DVec3) -> f64 {
+        match self {
+            Self::Ball(radius) => here_from_body.translation.dot(direction) + radius,
+            Self::Hull(hull) => hull
+                .vertices()
+                .iter()
+                .map(|&vertex| here_from_body.point(vertex).dot(direction))
+                .fold(f64::NEG_INFINITY, f64::max),
+            Self::Revolved(revolved) => {
+                PlacedRevolved::new(revolved, here_from_body).reach(direction) + revolved.rounding
+            }
+            Self::Ground(_) | Self::Mesh(_) | Self::Other(_) => f64::INFINITY,
         }
     }
 

@@ -13,6 +13,7 @@ use crate::narrow_phase::fixed_neighbours::FixedNeighbours;
 use crate::narrow_phase::flat_contacts::few;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::pair_motion::PairMotion;
+use crate::narrow_phase::pierced::{Pierced, pierced};
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, Penetration, contact_point};
 use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::penetration::penetration;
@@ -150,7 +151,49 @@ fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
         let touches = touches && !is_beside();
         touches.then_some(Candidate { feature, contact, phi, approach })
     };
-    penetrations.iter().filter_map(candidate).collect()
+    let mut candidates: Vec<Candidate> = penetrations.iter().filter_map(candidate).collect();
+    if penetrations.is_empty() {
+        return candidates;
+    }
+    for side in [0, 1] {
+        let [body, other] = if side == 0 { [first, second] } else { [second, first] };
+        if let Some(pierced) = pierced(body, other) {
+            push_back(pair_motion, side == 0, &pierced, &mut candidates);
+        }
+    }
+    candidates
+}
+
+/// Replaces the candidates of a body that has come through the other one by those that push it back
+/// to the side of its centre.
+fn push_back(
+    pair_motion: &PairMotion,
+    is_of_first: bool,
+    pierced: &Pierced,
+    candidates: &mut Vec<Candidate>,
+) {
+    let normal = if is_of_first { pierced.outward } else { -pierced.outward };
+    candidates.retain(|candidate| {
+        candidate.feature.is_of_first == is_of_first
+            && candidate.contact.normal.dot(normal) >= SAME_SIDE
+            && !pierced
+                .samples
+                .iter()
+                .any(|&(sample, _)| u64::from(sample) == candidate.feature.index)
+    });
+    let body = pair_motion.placed()[usize::from(!is_of_first)];
+    let world_from_body = body.pose.world_from_body();
+    candidates.extend(pierced.samples.iter().map(|&(sample, phi)| {
+        let point = world_from_body.point(body.shape.samples()[sample as usize].as_dvec3());
+        let [of_first, of_second] = pair_motion.paths.map(|path| path.velocity(point, 0.0));
+        let closing = (of_second - of_first).dot(normal);
+        Candidate {
+            feature: FeatureId { is_of_first, index: sample.into() },
+            contact: ContactPoint { point, normal },
+            phi,
+            approach: pair_motion.surface_speed(normal, closing, phi),
+        }
+    }));
 }
 
 /// True if a closed form is further than `reach` [m] from the bounding ball of another body.

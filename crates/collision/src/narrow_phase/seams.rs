@@ -4,7 +4,6 @@
 use crate::manifold::ManifoldPoint;
 use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::pair_motion::PairMotion;
-use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use frangible_bodies::Pose;
 use frangible_geometry::{Compound, HalfSpace};
 use frangible_math::RigidTransform;
@@ -185,25 +184,8 @@ impl<'a> Seams<'a> {
     fn heights(&self, plane: &HalfSpace, poses: [&Pose; 2]) -> [f64; 2] {
         let [fixed, mover] = [self.side, 1 - self.side].map(|side| poses[side].world_from_body());
         let fixed_from_mover = fixed.inverse().after(&mover);
-        match self.mover {
-            ConvexShape::Ball(radius) => {
-                let middle = plane.distance(fixed_from_mover.translation);
-                [middle - radius, middle + radius]
-            }
-            ConvexShape::Hull(hull) => hull.vertices().iter().fold(
-                [f64::INFINITY, f64::NEG_INFINITY],
-                |[low, high], &at| {
-                    let height = plane.distance(fixed_from_mover.point(at));
-                    [low.min(height), high.max(height)]
-                },
-            ),
-            ConvexShape::Revolved(ref round) => {
-                let round = PlacedRevolved::new(round, &fixed_from_mover);
-                [-1.0, 1.0]
-                    .map(|up| up * (round.reach(up * plane.normal) + round.rounding) - plane.offset)
-            }
-            _ => [f64::NEG_INFINITY; 2],
-        }
+        [-1.0, 1.0]
+            .map(|up| up * self.mover.reach(&fixed_from_mover, up * plane.normal) - plane.offset)
     }
 
     /// True if a neighbour's face holds a point of the fixed body, and goes on from it in a

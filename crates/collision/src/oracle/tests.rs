@@ -93,7 +93,8 @@ fn compare(kinds: [Kind; 2], seed: u64, worst: &mut Worst) {
     let size = drawn.size;
     let (mut gap, normal) = drawn.truth();
     let shapes = [ConvexShape::of(&drawn.shapes[0]), ConvexShape::of(&drawn.shapes[1])];
-    if drawn.parts.iter().all(|parts| parts.len() <= 1) {
+    let is_compound = drawn.parts.iter().any(|parts| parts.len() > 1);
+    if !is_compound {
         let found = pair_separation(shapes, &drawn.second_from_first, size);
         let (found, found_normal) = found.unwrap();
         // A normal of the narrow phase that the oracle has missed is true as well.
@@ -112,7 +113,9 @@ fn compare(kinds: [Kind; 2], seed: u64, worst: &mut Worst) {
     }
     match deepest(&drawn) {
         Some(met) if gap <= 0.0 => {
-            worst.see(4, ((met.gap - gap).abs() + PREFERRED * gap).max(0.0) / size, seed);
+            // The way out of a part that leads into no other one may be longer.
+            let off = if is_compound { met.gap - gap } else { (met.gap - gap).abs() };
+            worst.see(4, (off + PREFERRED * gap).max(0.0) / size, seed);
         }
         Some(_) if gap > 0.1 * size => {}
         Some(met) => worst.see(5, (met.gap - gap).abs() / size, seed),
@@ -131,7 +134,7 @@ fn all_kinds() -> impl Iterator<Item = [Kind; 2]> {
 }
 
 /// Some pairs of each two kinds, hulls that are nearly none among them. Manifolds of compounds leave
-/// out points that neighbouring parts cover, also the deepest.
+/// out shallow points that neighbouring parts cover.
 #[test]
 fn separations_are_those_of_the_oracle() {
     for kinds in all_kinds() {
@@ -174,6 +177,9 @@ fn what_the_narrow_phase_missed_it_finds() {
         ([Box, Cylinder], 1_122_232),
         // Deep inside of a compound.
         ([Compound, Compound], 121),
+        // Below a seam, and over none of its faces.
+        ([Box, Compound], 1_001_027),
+        ([Hull, Compound], 9_005_210),
         // Nearly parallel edges, one ten thousand times as long: triangles whose normal is rounding.
         ([Box, Box], 9_044_494),
         ([Box, Box], 9_082_383),

@@ -25,11 +25,6 @@ pub(crate) fn reduce(
     if points.len() <= FEW_POINTS {
         return;
     }
-    let middle = |point: &HullPoint| 0.5 * (point.on[0] + point.on[1]);
-    let across_squared = |a: &HullPoint, b: &HullPoint| {
-        let between = middle(a) - middle(b);
-        (between - between.dot(normal) * normal).length_squared()
-    };
 
     // Drop points higher above another point than beside it: they touch later.
     all.clear();
@@ -37,7 +32,7 @@ pub(crate) fn reduce(
     points.retain(|point| {
         all.iter().all(|other| {
             let above = point.gap - other.gap;
-            above <= close || above * above <= across_squared(point, other)
+            above <= close || above * above <= across_squared(point, other, normal)
         })
     });
 
@@ -63,31 +58,117 @@ pub(crate) fn reduce(
     let depth = |point: &HullPoint| {
         if point.gap <= deepest + close { SOMEWHERE.dot(middle(point)) - least } else { 0.0 }
     };
-    // Twice the area of the triangle with two kept points, positive to the left.
-    let area = |p: &HullPoint, q: &HullPoint, point: &HullPoint| {
-        normal.dot((middle(q) - middle(p)).cross(middle(point) - middle(p)))
-    };
+    // A polygon, clockwise about the normal: points beyond a side lie to the left of it.
     let mut around = Vec::with_capacity(most);
     if let Some(a) = take(&depth)
-        && let Some(b) = take(&|point| across_squared(point, &a).sqrt())
-        && let Some(c) = take(&|point| area(&a, &b, point).abs())
+        && let Some(b) = take(&|point| across_squared(point, &a, normal).sqrt())
+        && let Some(c) = take(&|point| area(&a, &b, point, normal).abs())
     {
-        // Clockwise about the normal: points beyond a side lie to the left of it.
-        around.extend(if area(&a, &b, &c) < 0.0 { [a, b, c] } else { [b, a, c] });
+        around.extend(if area(&a, &b, &c, normal) < 0.0 { [a, b, c] } else { [b, a, c] });
     }
-    while (3..most).contains(&around.len()) {
+    // Each turn may drop as many as it adds.
+    for _ in 0..2 * most {
+        if around.len() < 3 || taken >= most {
+            break;
+        }
         let beyond = |side: usize, point: &HullPoint| {
-            area(&around[side], &around[(side + 1) % around.len()], point)
+            beyond(&around[side], &around[(side + 1) % around.len()], point, (normal, close))
         };
         let sides = 0..around.len();
         let most_beyond =
             |point: &HullPoint| sides.clone().map(|side| beyond(side, point)).fold(0.0, f64::max);
-        let Some(next) = take(&most_beyond) else { break };
+        let Some(index) = best_of(&points[taken..], &most_beyond) else { break };
+        let next = points[taken + index];
+        points[taken..=taken + index].rotate_right(1);
+        taken += 1;
         let side =
             sides.clone().find(|&side| beyond(side, &next) == most_beyond(&next)).unwrap_or(0);
-        around.insert(side + 1, next);
+        for dropped in extend(&mut around, side, next, (normal, close)) {
+            let at = points[..taken].iter().position(|kept| kept.on == dropped.on);
+            if let Some(at) = at {
+                points[at..taken].rotate_left(1);
+                taken -= 1;
+            }
+        }
     }
     points.truncate(taken);
+}
+
+/// Adds a point beyond a side to a convex polygon. Returns the corners that are none any more, but
+/// those that are deeper than a flat body would be there.
+fn extend(
+    around: &mut Vec<HullPoint>,
+    side: usize,
+    point: HullPoint,
+    (normal, close): (DVec3, f64),
+) -> Vec<HullPoint> {
+    // The point comes last: its neighbours are the first one and the one before it.
+    let first = (side + 1) % around.len();
+    around.rotate_left(first);
+    around.push(point);
+    let mut dropped = Vec::new();
+    let is_corner = |around: &[HullPoint], at: usize| {
+        let [from, to] = [around.len() - 1, 1].map(|step| &around[(at + step) % around.len()]);
+        beyond(from, to, &around[at], (normal, close)) > 0.0
+    };
+    for is_first in [true, false] {
+        let at = |around: &[HullPoint]| if is_first { 0 } else { around.len() - 2 };
+        while around.len() > 3 && !is_corner(around, at(around)) {
+            let corner = around.remove(at(around));
+            if !is_deeper(around, &corner, (normal, close)) {
+                dropped.push(corner);
+            }
+        }
+    }
+    dropped
+}
+
+/// True for a point that lies deeper, by more than `close` [m], than a plane through the ends of the
+/// nearest side of a polygon and the corner furthest from that.
+fn is_deeper(around: &[HullPoint], point: &HullPoint, (normal, close): (DVec3, f64)) -> bool {
+    let ends = |side: usize| (&around[side], &around[(side + 1) % around.len()]);
+    let inward = |side: usize, point: &HullPoint| {
+        let (from, to) = ends(side);
+        -area(from, to, point, normal) / across_squared(from, to, normal).sqrt()
+    };
+    let nearest = (0..around.len()).min_by(|&a, &b| inward(a, point).total_cmp(&inward(b, point)));
+    let Some(side) = nearest else { return true };
+    let (from, to) = ends(side);
+    let furthest = around.iter().max_by(|a, b| inward(side, a).total_cmp(&inward(side, b)));
+    let Some(opposite) = furthest else { return true };
+    let level = area(to, opposite, point, normal) * from.gap
+        + area(opposite, from, point, normal) * to.gap
+        + area(from, to, point, normal) * opposite.gap;
+    point.gap < level / area(from, to, opposite, normal) - close
+}
+
+/// Middle of both surfaces' points [m].
+fn middle(point: &HullPoint) -> DVec3 {
+    0.5 * (point.on[0] + point.on[1])
+}
+
+/// Squared distance of two points across the normal [m^2].
+fn across_squared(a: &HullPoint, b: &HullPoint, normal: DVec3) -> f64 {
+    let between = middle(a) - middle(b);
+    (between - between.dot(normal) * normal).length_squared()
+}
+
+/// Twice the area of the triangle with two other points [m^2], positive to their left.
+fn area(from: &HullPoint, to: &HullPoint, point: &HullPoint, normal: DVec3) -> f64 {
+    normal.dot((middle(to) - middle(from)).cross(middle(point) - middle(from)))
+}
+
+/// Twice the area of the triangle with a side [m^2], for points beyond it by more than `close` [m];
+/// zero for others: they add nothing, and rounding would choose among them.
+fn beyond(
+    from: &HullPoint,
+    to: &HullPoint,
+    point: &HullPoint,
+    (normal, close): (DVec3, f64),
+) -> f64 {
+    let area = area(from, to, point, normal);
+    let is_beyond = area > 0.0 && area * area > close * close * across_squared(from, to, normal);
+    if is_beyond { area } else { 0.0 }
 }
 
 /// Point with the highest positive score.

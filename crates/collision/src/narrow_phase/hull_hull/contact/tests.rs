@@ -296,7 +296,7 @@ proptest! {
         reduce(&mut kept, &mut Vec::new(), most, (DVec3::Y, 1e-4));
         prop_assert!((1..=most).contains(&kept.len()));
         let deepest = |points: &[HullPoint]| points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
-        prop_assert!(deepest(&kept) <= deepest(&points) + 1e-4);
+        prop_assert!(deepest(&kept) <= deepest(&points) + 2e-4);
 
         let corner = |number: u32| {
             let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(number) / f64::from(corners));
@@ -306,6 +306,29 @@ proptest! {
         let mut polygon: Vec<HullPoint> = within.chain((0..corners).map(corner)).collect();
         reduce(&mut polygon, &mut Vec::new(), 8, (DVec3::Y, 1e-4));
         prop_assert_eq!(polygon.iter().filter(|point| point.on[1].length() > 0.9).count(), corners as usize);
+    }
+
+    /// Of the feet of a table, which rounding puts on sides or just beyond, the four outer corners
+    /// stay, in any order and however it leans.
+    #[test]
+    fn feet_stand_on_their_outer_corners(
+        order in Just((0..16).collect::<Vec<u32>>()).prop_shuffle(), noise in prop::collection::vec(vector(1e-7), 16), lean in vector(2e-3),
+    ) {
+        let point = |number: u32| {
+            let side = |bit: u32| f64::from(number >> bit & 1) - 0.5;
+            let on = DVec3::new(0.8 * side(0) + 0.2 * side(1), 0.0, 0.8 * side(2) + 0.2 * side(3));
+            let on = on + noise[number as usize].with_y(0.0);
+            let gap = on.dot(lean);
+            HullPoint {
+                on: [on + gap * DVec3::Y, on], normal: DVec3::Y, gap, feature: Feature::VertexOfFirst(number),
+            }
+        };
+        let mut kept: Vec<HullPoint> = order.into_iter().map(point).collect();
+        reduce(&mut kept, &mut Vec::new(), 8, (DVec3::Y, 1e-4));
+        let mut kept: Vec<FeatureId> = kept.iter().map(|point| point.feature.id(0)).collect();
+        kept.sort_unstable();
+        let corner = |index: u64| FeatureId { is_of_first: true, index };
+        prop_assert_eq!(kept, [0, 3, 12, 15].map(corner));
     }
 }
 
