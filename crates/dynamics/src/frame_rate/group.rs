@@ -157,7 +157,10 @@ impl<I: Instructions> Group<I> {
         };
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
-        let mut timeline = has_bounces.then(|| Timeline::new(&self.bodies, self.batches.len()));
+        let mut timeline = has_bounces.then(|| {
+            let Self { batches, bodies, touching, .. } = &*self;
+            Timeline::new(bodies, batches, touching.get_or_init(|| Touching::new(batches, bodies)))
+        });
         for number in 0..self.substeps {
             let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);

@@ -3,12 +3,13 @@
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
+use super::joint_impacts::JointImpact;
 use super::kernels::Substep;
 use super::sides::{Sides, shortened};
 use super::solver_bodies::{LaneDisplacements, LaneVelocities, Lines, SolverBodies};
 use super::speculative_contacts::BatchFlags;
 use super::timeline::{BatchLines, Timeline};
-use super::touching::Touching;
+use super::touching::{Place, Touching};
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};
 
 /// Bounds the visits of a substep to `VISITS * (VISITS + batches)`. A row of 500 touching balls has
@@ -72,6 +73,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
                 continue;
             }
             *visits -= 1;
+            let joint = bounce_jointly(batches, bodies, (timeline, touching), at, substep);
             let batch = &mut batches[at];
             let of_batch = BatchLines::new(batch);
             let mut lines = bodies.lines(batch.first_line..bodies.lines.len());
@@ -79,7 +81,8 @@ pub(super) fn propagate_impacts<I: Instructions>(
             if batch.may_bounce {
                 asked.insert(at);
             }
-            for (line, change) in of_batch.changed(timeline, changes) {
+            let changed = of_batch.changed(timeline, changes);
+            for (line, change) in joint.into_iter().chain(changed) {
                 for place in touching.lanes(line) {
                     let next = place.batch();
                     let need = &mut timeline.needs[next][place.lane()];
@@ -102,17 +105,48 @@ pub(super) fn propagate_impacts<I: Instructions>(
     timeline.end();
 }
 
+/// Bounces those lanes of a batch that have a joint impact with others. Returns the lines whose
+/// velocities change, and upper bounds of the changes [m/s].
+#[inline(always)]
+fn bounce_jointly<I: Instructions>(
+    batches: &mut [ContactBatch<I>],
+    bodies: &mut SolverBodies,
+    (timeline, touching): (&mut Timeline, &Touching),
+    at: usize,
+    substep: &Substep<I>,
+) -> Vec<(usize, f32)> {
+    let companions = timeline.companions.of_batch(at);
+    if !companions.any() {
+        return Vec::new();
+    }
+    let batch = &batches[at];
+    let lines = &bodies.lines(batch.first_line..bodies.lines.len());
+    let of_batch = BatchLines::new(batch);
+    let meeting = batch.meeting(lines, of_batch.clocks(timeline), substep);
+    let hits = meeting.hits.and(companions);
+    let are_next = of_batch.are_next(timeline, hits, meeting.first.to_array());
+    let mut changed = Vec::new();
+    for lane in (0..LANES).filter(|&lane| are_next.get(lane)) {
+        let of_lane = (Place::new(at, lane), &meeting);
+        let joint = JointImpact::of_lane(batches, bodies, (timeline, touching), of_lane, substep);
+        if let Some(joint) = joint {
+            changed.extend(joint.bounce(batches, bodies, timeline, substep));
+        }
+    }
+    changed
+}
+
 /// Points of a batch that meet within a substep.
-struct Meeting<I> {
+pub(super) struct Meeting<I> {
     sides: Sides<I>,
     at: [LaneDisplacements<I>; 2],
     /// Per point: moments of a unit impulse, velocity, and target velocity [m/s].
-    arms: [[Single3<I>; 2]; MOST_POINTS],
-    approach: [Single<I>; MOST_POINTS],
-    target: [Single<I>; MOST_POINTS],
+    pub(super) arms: [[Single3<I>; 2]; MOST_POINTS],
+    pub(super) approach: [Single<I>; MOST_POINTS],
+    pub(super) target: [Single<I>; MOST_POINTS],
     /// Time of impact [s], and validity.
-    time: [Single<I>; MOST_POINTS],
-    meets: [Mask; MOST_POINTS],
+    pub(super) time: [Single<I>; MOST_POINTS],
+    pub(super) meets: [Mask; MOST_POINTS],
     /// Lanes with an impact above the threshold, those that must be detected again before it, and
     /// the first time of impact [s].
     hits: Mask,
@@ -125,7 +159,12 @@ struct Meeting<I> {
 impl<I: Instructions> ContactBatch<I> {
     /// Finds the points that meet within the substep; none before its `clock` [s].
     #[inline(always)]
-    fn meeting(&self, lines: &Lines, clock: [f32; LANES], substep: &Substep<I>) -> Meeting<I> {
+    pub(super) fn meeting(
+        &self,
+        lines: &Lines,
+        clock: [f32; LANES],
+        substep: &Substep<I>,
+    ) -> Meeting<I> {
         let zero = Single::<I>::ZERO;
         let n = self.normal;
         let sides = self.sides(lines);
@@ -215,14 +254,7 @@ impl<I: Instructions> ContactBatch<I> {
         let before = sides.of;
         sides.push(n, sum, [moments[0] * scale, moments[1] * scale]);
 
-        let (friction, slip) = self.rub_impact(&mut sides, &at, sum);
-        let rubs = sum.above(zero);
-        self.acted = self.acted.or(rubs);
-        self.frame_impulse[0] = self.frame_impulse[0] + sum;
-        for k in 0..2 {
-            self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];
-            self.friction_work = self.friction_work + friction[k] * slip[k] * Single::same(0.5);
-        }
+        let friction = self.rub_and_book(&mut sides, &at, sum);
         if self.has_driven() {
             for impulse in &mut impulses {
                 *impulse = *impulse * scale;
@@ -245,6 +277,25 @@ impl<I: Instructions> ContactBatch<I> {
         }
         of_batch.mark(timeline, hits, when.to_array());
         changes.map(Single::to_array)
+    }
+
+    /// Solves friction of an impact with normal impulse `sum`, and books both. Returns the friction
+    /// along both tangents.
+    #[inline(always)]
+    pub(super) fn rub_and_book(
+        &mut self,
+        sides: &mut Sides<I>,
+        at: &[LaneDisplacements<I>; 2],
+        sum: Single<I>,
+    ) -> [Single<I>; 2] {
+        let (friction, slip) = self.rub_impact(sides, at, sum);
+        self.acted = self.acted.or(sum.above(Single::ZERO));
+        self.frame_impulse[0] = self.frame_impulse[0] + sum;
+        for k in 0..2 {
+            self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];
+            self.friction_work = self.friction_work + friction[k] * slip[k] * Single::same(0.5);
+        }
+        friction
     }
 
     /// Impulses of all meeting points together, towards the targets and never negative. The

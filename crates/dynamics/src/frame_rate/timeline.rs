@@ -1,8 +1,10 @@
 //! Times of impact of bodies within a substep, and which batches are still to be visited.
 
 use super::contact_batch::ContactBatch;
+use super::joint_impacts::Companions;
 use super::solver_bodies::{SolverBodies, SolverBody};
-use frangible_math::{LANES, Mask};
+use super::touching::Touching;
+use frangible_math::{Instructions, LANES, Mask};
 
 /// Impact times of bodies within a substep.
 pub(super) struct Timeline {
@@ -16,6 +18,7 @@ pub(super) struct Timeline {
     claimed: Vec<usize>,
     bounced: Vec<usize>,
     is_movable: Vec<bool>,
+    pub(super) companions: Companions,
     /// Batches to test for impacts, and batches with impacts; both empty between substeps.
     pub(super) asked: BatchSet,
     pub(super) coming: BatchSet,
@@ -69,7 +72,11 @@ pub(super) struct BatchLines {
 }
 
 impl Timeline {
-    pub(super) fn new(bodies: &SolverBodies, batches: usize) -> Self {
+    pub(super) fn new<I: Instructions>(
+        bodies: &SolverBodies,
+        batches: &[ContactBatch<I>],
+        touching: &Touching,
+    ) -> Self {
         let is_movable: Vec<bool> = bodies.lines.iter().map(SolverBody::is_movable).collect();
         let count = is_movable.len();
         Self {
@@ -80,9 +87,10 @@ impl Timeline {
             claimed: Vec::new(),
             bounced: Vec::new(),
             is_movable,
-            asked: BatchSet::below(batches),
-            coming: BatchSet::below(batches),
-            needs: vec![[0.0; LANES]; batches],
+            companions: Companions::new(batches, bodies, touching),
+            asked: BatchSet::below(batches.len()),
+            coming: BatchSet::below(batches.len()),
+            needs: vec![[0.0; LANES]; batches.len()],
         }
     }
 

@@ -1,0 +1,264 @@
+//! Impacts of several constraints of a pair along one normal, where all fixed bodies count as one.
+//! They are solved together, as the points of one constraint are: one after the other they would
+//! spin what falls flat onto a seam.
+
+use super::constraints::{MOST_POINTS, SAME_NORMAL};
+use super::contact_batch::ContactBatch;
+use super::kernels::Substep;
+use super::restitution::Meeting;
+use super::solver_bodies::{SolverBodies, SolverBody};
+use super::timeline::{BatchLines, Timeline};
+use super::touching::{Place, Touching};
+use frangible_math::{Instructions, LANES, Mask, Single, Singles};
+use glam::{DMat3, DVec3};
+
+/// Maximum number of Gauss-Seidel sweeps over the points of a joint impact.
+const SWEEPS: usize = 200;
+
+/// Change of velocities in a sweep, relative to the fastest approach, at which the sweeps end [1].
+const CLOSE: f64 = 1e-6;
+
+/// Lanes whose body has other constraints with the same partner, by batch.
+pub(super) struct Companions {
+    of: Vec<Mask>,
+}
+
+impl Companions {
+    pub(super) fn new<I: Instructions>(
+        batches: &[ContactBatch<I>],
+        bodies: &SolverBodies,
+        touching: &Touching,
+    ) -> Self {
+        let mut of = vec![Mask::NONE; batches.len()];
+        let movable = |line: &usize| bodies.lines[*line].is_movable();
+        for line in (0..bodies.lines.len()).filter(movable) {
+            let of_line = touching.lanes(line).iter();
+            let mut lanes: Vec<(usize, Place)> =
+                of_line.map(|&place| (partner(batches, bodies, (line, place)), place)).collect();
+            lanes.sort_by_key(|&(partner, _)| partner);
+            let with_one = lanes.chunk_by(|a, b| a.0 == b.0);
+            for (_, place) in with_one.filter(|lanes| lanes.len() > 1).flatten() {
+                of[place.batch()].set(place.lane(), true);
+            }
+        }
+        Self { of }
+    }
+
+    pub(super) fn of_batch(&self, at: usize) -> Mask {
+        self.of[at]
+    }
+}
+
+/// All fixed bodies.
+const FIXED: usize = usize::MAX;
+
+/// Line of the other body of a line's lane, or [`FIXED`].
+fn partner<I: Instructions>(
+    batches: &[ContactBatch<I>],
+    bodies: &SolverBodies,
+    (line, place): (usize, Place),
+) -> usize {
+    let [first, second] = batches[place.batch()].lines().map(|lines| lines[place.lane()]);
+    let other = if first == line { second } else { first };
+    if bodies.lines[other].is_movable() { other } else { FIXED }
+}
+
+/// A lane in a joint impact.
+struct Member {
+    place: Place,
+    /// Normal impulses of its points [N s].
+    impulses: [f64; MOST_POINTS],
+}
+
+/// A point in a joint impact; the first body is the one whose impacts they are.
+struct JointPoint {
+    /// Index of its member, and its number in the constraint.
+    member: usize,
+    number: usize,
+    /// World frame, from the second body to the first.
+    normal: DVec3,
+    /// Moments of a unit impulse about both bodies' centres [m].
+    moments: [DVec3; 2],
+    /// Along the normal, and its target [m/s].
+    velocity: f64,
+    target: f64,
+    /// Time of impact [s].
+    time: f64,
+    impulse: f64,
+}
+
+/// A joint impact of a body with its partner.
+pub(super) struct JointImpact {
+    lines: [usize; 2],
+    members: Vec<Member>,
+    points: Vec<JointPoint>,
+}
+
+impl JointImpact {
+    /// The impact of a lane with all lanes of the same pair and normal that meet within the
+    /// substep; `None` if no other does.
+    pub(super) fn of_lane<I: Instructions>(
+        batches: &[ContactBatch<I>],
+        bodies: &mut SolverBodies,
+        (timeline, touching): (&Timeline, &Touching),
+        (place, meeting): (Place, &Meeting<I>),
+        substep: &Substep<I>,
+    ) -> Option<Self> {
+        let lines = batches[place.batch()].lines().map(|lines| lines[place.lane()]);
+        let line = lines.into_iter().find(|&line| bodies.lines[line].is_movable())?;
+        let with = partner(batches, bodies, (line, place));
+        let mut joint = Self { lines: [line, with], members: Vec::new(), points: Vec::new() };
+        joint.take(&batches[place.batch()], place, meeting);
+        for &other in touching.lanes(line) {
+            let batch = &batches[other.batch()];
+            let is_other = other.batch() != place.batch();
+            if is_other && partner(batches, bodies, (line, other)) == with {
+                let lines = &bodies.lines(batch.first_line..bodies.lines.len());
+                let clocks = BatchLines::new(batch).clocks(timeline);
+                joint.take(batch, other, &batch.meeting(lines, clocks, substep));
+            }
+        }
+        (joint.members.len() > 1).then_some(joint)
+    }
+
+    /// Takes the meeting points of a lane, if it has the same normal.
+    fn take<I: Instructions>(&mut self, batch: &ContactBatch<I>, place: Place, of: &Meeting<I>) {
+        let lane = place.lane();
+        let is_first = batch.lines()[0][lane] == self.lines[0];
+        let (side, sign) = if is_first { (0, -1.0) } else { (1, 1.0) };
+        let normal = sign * batch.normal.get(lane);
+        let is_along = |point: &JointPoint| point.normal.dot(normal) > SAME_NORMAL;
+        if batch.unconfirmed.get(lane) || !self.points.first().is_none_or(is_along) {
+            return;
+        }
+        let member = self.members.len();
+        for number in (0..batch.point_count).filter(|&number| of.meets[number].get(lane)) {
+            let arms = &of.arms[number];
+            self.points.push(JointPoint {
+                member,
+                number,
+                normal,
+                moments: [sign * arms[side].get(lane), sign * arms[1 - side].get(lane)],
+                velocity: of.approach[number].get(lane),
+                target: of.target[number].get(lane),
+                time: of.time[number].get(lane),
+                impulse: 0.0,
+            });
+        }
+        if self.points.last().is_some_and(|point| point.member == member) {
+            self.members.push(Member { place, impulses: [0.0; MOST_POINTS] });
+        }
+    }
+
+    /// Bounces the bodies. Returns the lines whose velocities change, and upper bounds of their
+    /// points' changes [m/s].
+    pub(super) fn bounce<I: Instructions>(
+        mut self,
+        batches: &mut [ContactBatch<I>],
+        bodies: &mut SolverBodies,
+        timeline: &mut Timeline,
+        substep: &Substep<I>,
+    ) -> Vec<(usize, f32)> {
+        let movable: Vec<usize> = self.lines.into_iter().filter(|&line| line != FIXED).collect();
+        let before: Vec<SolverBody> = movable.iter().map(|&line| bodies.lines[line]).collect();
+        self.solve(bodies);
+        let (mut sum, mut when) = (0.0, 0.0);
+        for point in &self.points {
+            sum += point.impulse;
+            when += point.impulse * point.time;
+            self.members[point.member].impulses[point.number] = point.impulse;
+        }
+        let when = if sum > 0.0 { (when / sum) as f32 } else { 0.0 };
+        for (side, &line) in movable.iter().enumerate() {
+            self.push(&mut bodies.lines[line], &bodies.inverse_inertias[line], side);
+        }
+        for member in &self.members {
+            member.rub(&mut batches[member.place.batch()], bodies);
+            let batch = &batches[member.place.batch()];
+            let mut lane = Mask::NONE;
+            lane.set(member.place.lane(), true);
+            BatchLines::new(batch).mark(timeline, lane, [when; LANES]);
+        }
+        let h = substep.h.to_array()[0];
+        let change = |(&line, before): (&usize, &SolverBody)| {
+            (line, bodies.lines[line].end_impact(before, when, h))
+        };
+        movable.iter().zip(&before).map(change).collect()
+    }
+
+    /// Impulses of all points towards their targets, never negative.
+    fn solve(&mut self, bodies: &SolverBodies) {
+        let inverse: Vec<(f64, DMat3)> = (self.lines.iter())
+            .filter(|&&line| line != FIXED)
+            .map(|&line| bodies.inverse_mass_and_inertia(line))
+            .collect();
+        let k = |a: &JointPoint, b: &JointPoint| {
+            let of_side = |(side, (mass, inertia)): (usize, &(f64, DMat3))| {
+                mass * a.normal.dot(b.normal) + a.moments[side].dot(*inertia * b.moments[side])
+            };
+            inverse.iter().enumerate().map(of_side).sum::<f64>()
+        };
+        let points = &mut self.points;
+        let matrix: Vec<Vec<f64>> =
+            points.iter().map(|a| points.iter().map(|b| k(a, b)).collect()).collect();
+
+        // Equal impulses are a good guess of flat impacts.
+        let missing: f64 = points.iter().map(|point| point.target - point.velocity).sum();
+        let equal = (missing / matrix.iter().flatten().sum::<f64>()).max(0.0);
+        let fastest = points.iter().map(|point| point.velocity.abs()).fold(0.0, f64::max);
+        for (point, row) in points.iter_mut().zip(&matrix) {
+            point.impulse = equal;
+            point.velocity += equal * row.iter().sum::<f64>();
+        }
+        for _ in 0..SWEEPS {
+            let mut largest = 0.0_f64;
+            for (i, row) in matrix.iter().enumerate() {
+                let point = &mut points[i];
+                let change = (point.target - point.velocity) / row[i];
+                let change = change.max(-point.impulse);
+                point.impulse += change;
+                largest = largest.max(change.abs() * row[i]);
+                for (other, &k) in points.iter_mut().zip(row) {
+                    other.velocity += k * change;
+                }
+            }
+            if largest <= CLOSE * fastest {
+                break;
+            }
+        }
+    }
+
+    /// Applies the normal impulses to the body of one side.
+    fn push(&self, body: &mut SolverBody, inverse_inertia: &Singles, side: usize) {
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let (mut impulse, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+        for point in &self.points {
+            impulse += sign * point.impulse * point.normal;
+            moment += sign * point.impulse * point.moments[side];
+        }
+        body.push(impulse, moment, inverse_inertia);
+    }
+}
+
+impl Member {
+    /// Books the normal impulses, and solves friction.
+    fn rub<I: Instructions>(&self, batch: &mut ContactBatch<I>, bodies: &mut SolverBodies) {
+        let lane = self.place.lane();
+        let lines = &mut bodies.lines(batch.first_line..bodies.lines.len());
+        if batch.is_stale {
+            batch.prepare(lines);
+        }
+        let (mut sum, mut impulses) = (Single::ZERO, [Single::ZERO; MOST_POINTS]);
+        sum.set(lane, self.impulses.iter().sum());
+        for (lanes, &impulse) in impulses.iter_mut().zip(&self.impulses) {
+            lanes.set(lane, impulse);
+        }
+        let (mut sides, at) = (batch.sides(lines), batch.displacements(lines));
+        let friction = batch.rub_and_book(&mut sides, &at, sum);
+        batch.may_bounce = true;
+        if batch.has_driven() {
+            batch.note_driven_work(lines, impulses, friction, Single::ZERO);
+        }
+        batch.store(&sides, lines);
+    }
+}
