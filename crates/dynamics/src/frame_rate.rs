@@ -11,6 +11,7 @@ mod containment;
 pub(crate) mod finish;
 mod friction;
 mod group;
+mod joint_friction;
 mod joint_impacts;
 mod kernels;
 mod restitution;

@@ -1,6 +1,7 @@
 //! Contact constraints of eight manifolds side by side, in single precision.
 
 use super::constraints::{Constraint, MOST_POINTS};
+use super::sides::Sides;
 use super::solver_bodies::{
     LaneDisplacements, LaneVelocities, Lines, displacements, inverse_inertias, velocities,
 };
@@ -240,8 +241,8 @@ impl<I: Instructions> ContactBatch<I> {
     pub(super) fn prepare(&mut self, lines: &Lines) {
         self.is_stale = false;
         let at = self.displacements(lines);
-        let inertia = self.inverse_inertias(lines);
-        let of = self.velocities(lines);
+        let sides = self.sides(lines);
+        let Sides { of, inertia } = &sides;
         let inverse_mass = of[0].inverse_mass + of[1].inverse_mass;
         let n = self.normal;
         let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
@@ -262,22 +263,16 @@ impl<I: Instructions> ContactBatch<I> {
 
         let tangents = [self.tangent, n.cross(self.tangent)];
         let centers = self.turned_centers(&at);
-        let mut along = [inverse_mass, inverse_mass, Single::ZERO];
+        self.tangent_mass = sides.tangent_mass(tangents, centers);
         let mut about = [Single::ZERO; 3];
         let mut twist = Single::ZERO;
         for side in 0..2 {
-            let moments = [centers[side].cross(tangents[0]), centers[side].cross(tangents[1])];
-            let turns = [inertia[side] * moments[0], inertia[side] * moments[1]];
-            along[0] = along[0] + turns[0].dot(moments[0]);
-            along[1] = along[1] + turns[1].dot(moments[1]);
-            along[2] = along[2] + turns[0].dot(moments[1]);
             let turns = [inertia[side] * tangents[0], inertia[side] * tangents[1]];
             about[0] = about[0] + turns[0].dot(tangents[0]);
             about[1] = about[1] + turns[1].dot(tangents[1]);
             about[2] = about[2] + turns[0].dot(tangents[1]);
             twist = twist + (inertia[side] * n).dot(n);
         }
-        self.tangent_mass = inverse_2x2(along);
         self.twist_inertia = reciprocal(twist);
         if let Some(rolling) = &mut self.rolling {
             rolling.effective_inertia = inverse_2x2(about);
@@ -344,7 +339,7 @@ pub(super) fn reciprocal<I: Instructions>(x: Single<I>) -> Single<I> {
 /// Inverse of a symmetric matrix with entries xx, yy and xy. Dividing by the trace first keeps the
 /// squared entries of slivers within single precision.
 #[inline(always)]
-fn inverse_2x2<I: Instructions>([xx, yy, xy]: [Single<I>; 3]) -> [Single<I>; 3] {
+pub(super) fn inverse_2x2<I: Instructions>([xx, yy, xy]: [Single<I>; 3]) -> [Single<I>; 3] {
     let scale = reciprocal(xx + yy);
     let (xx, yy, xy) = (xx * scale, yy * scale, xy * scale);
     let least = xx * yy * Single::splat(LEAST_DETERMINANT);

@@ -4,12 +4,13 @@
 
 use super::constraints::{MOST_POINTS, SAME_NORMAL};
 use super::contact_batch::ContactBatch;
+use super::joint_friction::rub_jointly;
 use super::kernels::Substep;
 use super::restitution::Meeting;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use super::timeline::{BatchLines, Timeline};
 use super::touching::{Place, Touching};
-use frangible_math::{Instructions, LANES, Mask, Single, Singles};
+use frangible_math::{Instructions, LANES, Mask, Singles};
 use glam::{DMat3, DVec3};
 
 /// Maximum number of Gauss-Seidel sweeps over the points of a joint impact.
@@ -50,7 +51,7 @@ impl Companions {
 }
 
 /// All fixed bodies.
-const FIXED: usize = usize::MAX;
+pub(super) const FIXED: usize = usize::MAX;
 
 /// Line of the other body of a line's lane, or [`FIXED`].
 fn partner<I: Instructions>(
@@ -63,11 +64,19 @@ fn partner<I: Instructions>(
     if bodies.lines[other].is_movable() { other } else { FIXED }
 }
 
+/// Inverse masses [1/kg] and inertias [1/(kg m^2)] of the bodies that move.
+pub(super) fn inverses(lines: [usize; 2], bodies: &SolverBodies) -> Vec<(f64, DMat3)> {
+    let movable = lines.into_iter().filter(|&line| line != FIXED);
+    movable.map(|line| bodies.inverse_mass_and_inertia(line)).collect()
+}
+
 /// A lane in a joint impact.
-struct Member {
-    place: Place,
+pub(super) struct Member {
+    pub(super) place: Place,
+    /// Side of the body whose impacts they are.
+    pub(super) side: usize,
     /// Normal impulses of its points [N s].
-    impulses: [f64; MOST_POINTS],
+    pub(super) impulses: [f64; MOST_POINTS],
 }
 
 /// A point in a joint impact; the first body is the one whose impacts they are.
@@ -146,7 +155,7 @@ impl JointImpact {
             });
         }
         if self.points.last().is_some_and(|point| point.member == member) {
-            self.members.push(Member { place, impulses: [0.0; MOST_POINTS] });
+            self.members.push(Member { place, side, impulses: [0.0; MOST_POINTS] });
         }
     }
 
@@ -172,11 +181,12 @@ impl JointImpact {
         for (side, &line) in movable.iter().enumerate() {
             self.push(&mut bodies.lines[line], &bodies.inverse_inertias[line], side);
         }
-        for member in &self.members {
-            member.rub(&mut batches[member.place.batch()], bodies);
-            let batch = &batches[member.place.batch()];
+        rub_jointly(&self.members, (self.lines, self.points[0].normal), batches, bodies);
+        for place in self.members.iter().map(|member| member.place) {
+            let batch = &mut batches[place.batch()];
+            batch.may_bounce = true;
             let mut lane = Mask::NONE;
-            lane.set(member.place.lane(), true);
+            lane.set(place.lane(), true);
             BatchLines::new(batch).mark(timeline, lane, [when; LANES]);
         }
         let h = substep.h.to_array()[0];
@@ -188,10 +198,7 @@ impl JointImpact {
 
     /// Impulses of all points towards their targets, never negative.
     fn solve(&mut self, bodies: &SolverBodies) {
-        let inverse: Vec<(f64, DMat3)> = (self.lines.iter())
-            .filter(|&&line| line != FIXED)
-            .map(|&line| bodies.inverse_mass_and_inertia(line))
-            .collect();
+        let inverse = inverses(self.lines, bodies);
         let k = |a: &JointPoint, b: &JointPoint| {
             let of_side = |(side, (mass, inertia)): (usize, &(f64, DMat3))| {
                 mass * a.normal.dot(b.normal) + a.moments[side].dot(*inertia * b.moments[side])
@@ -237,28 +244,5 @@ impl JointImpact {
             moment += sign * point.impulse * point.moments[side];
         }
         body.push(impulse, moment, inverse_inertia);
-    }
-}
-
-impl Member {
-    /// Books the normal impulses, and solves friction.
-    fn rub<I: Instructions>(&self, batch: &mut ContactBatch<I>, bodies: &mut SolverBodies) {
-        let lane = self.place.lane();
-        let lines = &mut bodies.lines(batch.first_line..bodies.lines.len());
-        if batch.is_stale {
-            batch.prepare(lines);
-        }
-        let (mut sum, mut impulses) = (Single::ZERO, [Single::ZERO; MOST_POINTS]);
-        sum.set(lane, self.impulses.iter().sum());
-        for (lanes, &impulse) in impulses.iter_mut().zip(&self.impulses) {
-            lanes.set(lane, impulse);
-        }
-        let (mut sides, at) = (batch.sides(lines), batch.displacements(lines));
-        let friction = batch.rub_and_book(&mut sides, &at, sum);
-        batch.may_bounce = true;
-        if batch.has_driven() {
-            batch.note_driven_work(lines, impulses, friction, Single::ZERO);
-        }
-        batch.store(&sides, lines);
     }
 }

@@ -256,14 +256,15 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let scale = shortened(sides.work_of(sum, moments), lost + lost);
         let sum = sum * scale;
+        for impulse in &mut impulses {
+            *impulse = *impulse * scale;
+        }
         let before = sides.of;
         sides.push(n, sum, [moments[0] * scale, moments[1] * scale]);
 
-        let friction = self.rub_and_book(&mut sides, &at, sum);
+        let (friction, slip) = self.rub_impact(&mut sides, &at, (sum, &impulses));
+        self.book_impact(sum, friction, slip);
         if self.has_driven() {
-            for impulse in &mut impulses {
-                *impulse = *impulse * scale;
-            }
             self.note_driven_work(lines, impulses, friction, zero);
         }
         self.store(&sides, lines);
@@ -282,25 +283,6 @@ impl<I: Instructions> ContactBatch<I> {
         }
         of_batch.mark(timeline, hits, when.to_array());
         changes.map(Single::to_array)
-    }
-
-    /// Solves friction of an impact with normal impulse `sum`, and books both. Returns the friction
-    /// along both tangents.
-    #[inline(always)]
-    pub(super) fn rub_and_book(
-        &mut self,
-        sides: &mut Sides<I>,
-        at: &[LaneDisplacements<I>; 2],
-        sum: Single<I>,
-    ) -> [Single<I>; 2] {
-        let (friction, slip) = self.rub_impact(sides, at, sum);
-        self.acted = self.acted.or(sum.above(Single::ZERO));
-        self.frame_impulse[0] = self.frame_impulse[0] + sum;
-        for k in 0..2 {
-            self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];
-            self.friction_work = self.friction_work + friction[k] * slip[k] * Single::same(0.5);
-        }
-        friction
     }
 
     /// Impulses of all meeting points together, towards the targets and never negative. The
