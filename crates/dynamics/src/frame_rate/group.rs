@@ -2,6 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
+use super::joint_impacts::Companions;
 use super::kernels::{Softness, Substep};
 use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
@@ -158,8 +159,9 @@ impl<I: Instructions> Group<I> {
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
         let mut timeline = has_bounces.then(|| {
-            let Self { batches, bodies, touching, .. } = &*self;
-            Timeline::new(bodies, batches, touching.get_or_init(|| Touching::new(batches, bodies)))
+            let constraints = (&self.selections[..], &self.speculative.places[..]);
+            let companions = Companions::new(&self.batches, &self.bodies, constraints);
+            Timeline::new(&self.bodies, self.batches.len(), companions)
         });
         for number in 0..self.substeps {
             let time_left = f64::from(self.substeps - number) * self.h;

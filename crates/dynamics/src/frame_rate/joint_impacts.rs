@@ -2,7 +2,7 @@
 //! They are solved together, as the points of one constraint are: one after the other they would
 //! spin what falls flat onto a seam.
 
-use super::constraints::{MOST_POINTS, SAME_NORMAL};
+use super::constraints::{MOST_POINTS, SAME_NORMAL, Selection};
 use super::contact_batch::ContactBatch;
 use super::joint_friction::rub_jointly;
 use super::kernels::Substep;
@@ -25,20 +25,36 @@ pub(super) struct Companions {
 }
 
 impl Companions {
+    /// `places` has the batch and lane of each constraint.
     pub(super) fn new<I: Instructions>(
         batches: &[ContactBatch<I>],
         bodies: &SolverBodies,
-        touching: &Touching,
+        (selections, places): (&[Selection], &[Place]),
     ) -> Self {
         let mut of = vec![Mask::NONE; batches.len()];
-        let movable = |line: &usize| bodies.lines[*line].is_movable();
-        for line in (0..bodies.lines.len()).filter(movable) {
-            let of_line = touching.lanes(line).iter();
-            let mut lanes: Vec<(usize, Place)> =
-                of_line.map(|&place| (partner(batches, bodies, (line, place)), place)).collect();
-            lanes.sort_by_key(|&(partner, _)| partner);
-            let with_one = lanes.chunk_by(|a, b| a.0 == b.0);
-            for (_, place) in with_one.filter(|lanes| lanes.len() > 1).flatten() {
+        // Constraints of one pair follow each other.
+        let mut first = 0;
+        for of_pair in selections.chunk_by(|a, b| a.manifold == b.manifold) {
+            let places = &places[first..first + of_pair.len()];
+            first += of_pair.len();
+            for place in places.iter().filter(|_| places.len() > 1) {
+                of[place.batch()].set(place.lane(), true);
+            }
+        }
+
+        // Line that moves of a constraint with a fixed body.
+        let with_fixed = |selection: &Selection| {
+            let [first, second] = selection.lines.map(|line| line as usize);
+            match [first, second].map(|line| bodies.lines[line].is_movable()) {
+                [true, false] => Some(first),
+                [false, true] => Some(second),
+                _ => None,
+            }
+        };
+        let mut counts = vec![0_u32; bodies.lines.len()];
+        selections.iter().filter_map(with_fixed).for_each(|line| counts[line] += 1);
+        for (selection, place) in selections.iter().zip(places) {
+            if with_fixed(selection).is_some_and(|line| counts[line] > 1) {
                 of[place.batch()].set(place.lane(), true);
             }
         }

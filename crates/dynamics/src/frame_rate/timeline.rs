@@ -3,8 +3,7 @@
 use super::contact_batch::ContactBatch;
 use super::joint_impacts::Companions;
 use super::solver_bodies::{SolverBodies, SolverBody};
-use super::touching::Touching;
-use frangible_math::{Instructions, LANES, Mask};
+use frangible_math::{LANES, Mask};
 
 /// Impact times of bodies within a substep.
 pub(super) struct Timeline {
@@ -72,11 +71,7 @@ pub(super) struct BatchLines {
 }
 
 impl Timeline {
-    pub(super) fn new<I: Instructions>(
-        bodies: &SolverBodies,
-        batches: &[ContactBatch<I>],
-        touching: &Touching,
-    ) -> Self {
+    pub(super) fn new(bodies: &SolverBodies, batches: usize, companions: Companions) -> Self {
         let is_movable: Vec<bool> = bodies.lines.iter().map(SolverBody::is_movable).collect();
         let count = is_movable.len();
         Self {
@@ -87,10 +82,10 @@ impl Timeline {
             claimed: Vec::new(),
             bounced: Vec::new(),
             is_movable,
-            companions: Companions::new(batches, bodies, touching),
-            asked: BatchSet::below(batches.len()),
-            coming: BatchSet::below(batches.len()),
-            needs: vec![[0.0; LANES]; batches.len()],
+            companions,
+            asked: BatchSet::below(batches),
+            coming: BatchSet::below(batches),
+            needs: vec![[0.0; LANES]; batches],
         }
     }
 
