@@ -72,7 +72,10 @@ pub(super) struct ContactBatch<I> {
     pub(super) spinning_friction: Single<I>,
     pub(super) rolling: Option<Box<RollingLanes<I>>>,
     pub(super) restitution: Single<I>,
-    /// Lanes with restitution.
+    /// Lanes whose impacts may be solved together with those of other lanes.
+    pub(super) companions: Mask,
+    /// Lanes whose impacts are solved as such: those with restitution or with companions. Without
+    /// restitution others are stopped by the soft sweep.
     pub(super) bounces: Mask,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: Single<I>,
@@ -131,6 +134,7 @@ impl<I: Instructions> ContactBatch<I> {
             spinning_friction: zero,
             rolling: None,
             restitution: zero,
+            companions: Mask::NONE,
             bounces: Mask::NONE,
             gravity: zero,
             frame_impulse: [zero; 3],
@@ -178,7 +182,8 @@ impl<I: Instructions> ContactBatch<I> {
         self.friction_coefficient.set(lane, surface.friction);
         self.spinning_friction.set(lane, surface.spinning_friction);
         self.restitution.set(lane, surface.restitution.max(0.0));
-        self.bounces.set(lane, surface.restitution > 0.0);
+        let has_impacts = surface.restitution > 0.0 || self.companions.get(lane);
+        self.bounces.set(lane, has_impacts);
         if surface.rolling_friction > 0.0 {
             let zero = Single::ZERO;
             let none = RollingLanes {

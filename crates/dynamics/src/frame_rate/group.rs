@@ -2,7 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
-use super::joint_impacts::Companions;
+use super::joint_impacts::companions;
 use super::kernels::{Softness, Substep};
 use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
@@ -93,6 +93,7 @@ impl<I: Instructions> Group<I> {
             threads::map_with(of_slabs, members.len(), room, |taken, members| {
                 colours.order(members, acts_in, taken)
             });
+        let companions = companions(&selections, &is_movable);
         let mut batches = Vec::new();
         let mut all = Vec::with_capacity(orders.len());
         for (number, order) in orders.iter().enumerate() {
@@ -112,6 +113,7 @@ impl<I: Instructions> Group<I> {
                     let selection = &selections[number as usize];
                     let source = source(selection);
                     let constraint = source.constraint(selection, bodies, (h, frame));
+                    batch.companions.set(lane, companions[number as usize]);
                     batch.fill(lane, (number, &constraint));
                     batch.unconfirmed.set(lane, !is_confirmed(bodies, &source, frame));
                 }
@@ -158,11 +160,7 @@ impl<I: Instructions> Group<I> {
         };
         let kick = (self.h * frame.gravity).as_vec3();
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
-        let mut timeline = has_bounces.then(|| {
-            let constraints = (&self.selections[..], &self.speculative.places[..]);
-            let companions = Companions::new(&self.batches, &self.bodies, constraints);
-            Timeline::new(&self.bodies, self.batches.len(), companions)
-        });
+        let mut timeline = has_bounces.then(|| Timeline::new(&self.bodies, self.batches.len()));
         for number in 0..self.substeps {
             let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);

@@ -19,51 +19,29 @@ const SWEEPS: usize = 200;
 /// Change of velocities in a sweep, relative to the fastest approach, at which the sweeps end [1].
 const CLOSE: f64 = 1e-6;
 
-/// Lanes whose body has other constraints with the same partner, by batch.
-pub(super) struct Companions {
-    of: Vec<Mask>,
-}
-
-impl Companions {
-    /// `places` has the batch and lane of each constraint.
-    pub(super) fn new<I: Instructions>(
-        batches: &[ContactBatch<I>],
-        bodies: &SolverBodies,
-        (selections, places): (&[Selection], &[Place]),
-    ) -> Self {
-        let mut of = vec![Mask::NONE; batches.len()];
-        // Constraints of one pair follow each other.
-        let mut first = 0;
-        for of_pair in selections.chunk_by(|a, b| a.manifold == b.manifold) {
-            let places = &places[first..first + of_pair.len()];
-            first += of_pair.len();
-            for place in places.iter().filter(|_| places.len() > 1) {
-                of[place.batch()].set(place.lane(), true);
-            }
+/// For each constraint: true if one of its bodies has other constraints with the same partner, and
+/// so may have joint impacts. `is_movable` is indexed by solver line.
+pub(super) fn companions(selections: &[Selection], is_movable: &[bool]) -> Vec<bool> {
+    // Line that moves of a constraint with a fixed body.
+    let with_fixed = |selection: &Selection| {
+        let [first, second] = selection.lines.map(|line| line as usize);
+        match [is_movable[first], is_movable[second]] {
+            [true, false] => Some(first),
+            [false, true] => Some(second),
+            _ => None,
         }
-
-        // Line that moves of a constraint with a fixed body.
-        let with_fixed = |selection: &Selection| {
-            let [first, second] = selection.lines.map(|line| line as usize);
-            match [first, second].map(|line| bodies.lines[line].is_movable()) {
-                [true, false] => Some(first),
-                [false, true] => Some(second),
-                _ => None,
-            }
-        };
-        let mut counts = vec![0_u32; bodies.lines.len()];
-        selections.iter().filter_map(with_fixed).for_each(|line| counts[line] += 1);
-        for (selection, place) in selections.iter().zip(places) {
-            if with_fixed(selection).is_some_and(|line| counts[line] > 1) {
-                of[place.batch()].set(place.lane(), true);
-            }
-        }
-        Self { of }
-    }
-
-    pub(super) fn of_batch(&self, at: usize) -> Mask {
-        self.of[at]
-    }
+    };
+    let mut counts = vec![0_u32; is_movable.len()];
+    selections.iter().filter_map(with_fixed).for_each(|line| counts[line] += 1);
+    // Constraints of one pair follow each other.
+    let of_pairs = selections.chunk_by(|a, b| a.manifold == b.manifold);
+    let has_companion = |of_pair: &[Selection], selection: &Selection| {
+        of_pair.len() > 1 || with_fixed(selection).is_some_and(|line| counts[line] > 1)
+    };
+    of_pairs
+        .flat_map(|of_pair| of_pair.iter().map(move |selection| (of_pair, selection)))
+        .map(|(of_pair, selection)| has_companion(of_pair, selection))
+        .collect()
 }
 
 /// All fixed bodies.

@@ -120,15 +120,14 @@ fn bounce_jointly<I: Instructions>(
     at: usize,
     substep: &Substep<I>,
 ) -> Vec<(usize, f32)> {
-    let companions = timeline.companions.of_batch(at);
-    if !companions.any() {
+    let batch = &batches[at];
+    if !batch.companions.any() {
         return Vec::new();
     }
-    let batch = &batches[at];
     let lines = &bodies.lines(batch.first_line..bodies.lines.len());
     let of_batch = BatchLines::new(batch);
     let meeting = batch.meeting(lines, of_batch.clocks(timeline), substep);
-    let hits = meeting.hits.and(companions);
+    let hits = meeting.hits.and(batch.companions);
     let are_next = of_batch.are_next(timeline, hits, meeting.first.to_array());
     let mut changed = Vec::new();
     for lane in (0..LANES).filter(|&lane| are_next.get(lane)) {

@@ -1,7 +1,6 @@
 //! Times of impact of bodies within a substep, and which batches are still to be visited.
 
 use super::contact_batch::ContactBatch;
-use super::joint_impacts::Companions;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use frangible_math::{LANES, Mask};
 
@@ -17,7 +16,6 @@ pub(super) struct Timeline {
     claimed: Vec<usize>,
     bounced: Vec<usize>,
     is_movable: Vec<bool>,
-    pub(super) companions: Companions,
     /// Batches to test for impacts, and batches with impacts; both empty between substeps.
     pub(super) asked: BatchSet,
     pub(super) coming: BatchSet,
@@ -71,7 +69,7 @@ pub(super) struct BatchLines {
 }
 
 impl Timeline {
-    pub(super) fn new(bodies: &SolverBodies, batches: usize, companions: Companions) -> Self {
+    pub(super) fn new(bodies: &SolverBodies, batches: usize) -> Self {
         let is_movable: Vec<bool> = bodies.lines.iter().map(SolverBody::is_movable).collect();
         let count = is_movable.len();
         Self {
@@ -82,7 +80,6 @@ impl Timeline {
             claimed: Vec::new(),
             bounced: Vec::new(),
             is_movable,
-            companions,
             asked: BatchSet::below(batches),
             coming: BatchSet::below(batches),
             needs: vec![[0.0; LANES]; batches],
