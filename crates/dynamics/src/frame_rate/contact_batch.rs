@@ -1,6 +1,7 @@
 //! Contact constraints of eight manifolds side by side, in single precision.
 
 use super::constraints::{Constraint, MOST_POINTS};
+use super::effective_mass::{inverse_2x2, reciprocal};
 use super::sides::Sides;
 use super::solver_bodies::{
     LaneDisplacements, LaneVelocities, Lines, displacements, inverse_inertias, velocities,
@@ -10,10 +11,6 @@ use glam::DVec3;
 
 /// Storage index of entry (i, j) of the symmetric 4 x 4 matrix K.
 pub(super) const ENTRY: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]];
-
-/// Minimum determinant of a 2 x 2 effective mass, relative to the product of its diagonal. For
-/// slivers the determinant is pure rounding error.
-const LEAST_DETERMINANT: f64 = 1e-5;
 
 /// One point of each of eight manifolds.
 #[derive(Clone, Copy)]
@@ -333,21 +330,4 @@ impl<I> ContactBatch<I> {
     pub(super) fn lines(&self) -> [[usize; LANES]; 2] {
         self.ids.map(|of_side| of_side.map(|id| self.first_line + id as usize))
     }
-}
-
-/// 1/x for positive x, else 0.
-#[inline(always)]
-pub(super) fn reciprocal<I: Instructions>(x: Single<I>) -> Single<I> {
-    x.above(Single::ZERO).select(Single::same(1.0) / x, Single::ZERO)
-}
-
-/// Inverse of a symmetric matrix with entries xx, yy and xy. Dividing by the trace first keeps the
-/// squared entries of slivers within single precision.
-#[inline(always)]
-pub(super) fn inverse_2x2<I: Instructions>([xx, yy, xy]: [Single<I>; 3]) -> [Single<I>; 3] {
-    let scale = reciprocal(xx + yy);
-    let (xx, yy, xy) = (xx * scale, yy * scale, xy * scale);
-    let least = xx * yy * Single::splat(LEAST_DETERMINANT);
-    let by = reciprocal((xx * yy - xy * xy).max(least)) * scale;
-    [yy * by, xx * by, -(xy * by)]
 }

@@ -1,7 +1,8 @@
 //! Friction of a batch: Coulomb's at the middle of the contact patch, twisting, and rolling.
 
 use super::constraints::MOST_POINTS;
-use super::contact_batch::{ContactBatch, reciprocal};
+use super::contact_batch::ContactBatch;
+use super::effective_mass::reciprocal;
 use super::sides::Sides;
 use super::solver_bodies::LaneDisplacements;
 use frangible_math::{Instructions, Single, Single3};

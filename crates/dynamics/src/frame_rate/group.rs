@@ -2,7 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
-use super::joint_impacts::companions;
+use super::joint_lanes::companions;
 use super::kernels::{Softness, Substep};
 use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};

@@ -1,8 +1,10 @@
 //! Friction of a joint impact: Coulomb's, where the normal impulse of all of its lanes acts.
 
-use super::contact_batch::{ContactBatch, inverse_2x2};
+use super::constraints::MOST_POINTS;
+use super::contact_batch::ContactBatch;
+use super::effective_mass::inverse_2x2;
 use super::friction::within_cone;
-use super::joint_impacts::{FIXED, Member, inverses};
+use super::joint_lanes::{FIXED, Member, inverses};
 use super::solver_bodies::SolverBodies;
 use frangible_math::{Instructions, Single};
 use glam::DVec3;
@@ -12,7 +14,7 @@ struct Touch<'a, I> {
     member: &'a Member,
     /// Lanes without the member's have zeros.
     sum: Single<I>,
-    impulses: [Single<I>; 4],
+    impulses: [Single<I>; MOST_POINTS],
     /// Largest friction [N s].
     most: f64,
     /// Where the normal impulse acts, from both bodies' centres [m].
@@ -22,24 +24,26 @@ struct Touch<'a, I> {
     slip: [f64; 2],
 }
 
+/// A number in one lane, and zeros in the others.
+fn in_lane<I: Instructions>(lane: usize, value: f64) -> Single<I> {
+    let mut lanes = Single::ZERO;
+    lanes.set(lane, value);
+    lanes
+}
+
 impl<'a, I: Instructions> Touch<'a, I> {
     fn new(member: &'a Member, batches: &[ContactBatch<I>], bodies: &mut SolverBodies) -> Self {
         let (batch, lane) = (&batches[member.place.batch()], member.place.lane());
-        let in_lane = |value: f64| {
-            let mut lanes = Single::ZERO;
-            lanes.set(lane, value);
-            lanes
-        };
         let sum: f64 = member.impulses.iter().sum();
-        let impulses = member.impulses.map(in_lane);
+        let impulses = member.impulses.map(|impulse| in_lane(lane, impulse));
         let lines = &bodies.lines(batch.first_line..bodies.lines.len());
         let at = batch.displacements(lines);
-        let centers = batch.impact_centers(&at, (in_lane(sum), &impulses));
+        let centers = batch.impact_centers(&at, (in_lane(lane, sum), &impulses));
         let slip = batch.sides(lines).velocity_at(centers).get(lane);
         let [_, along, across] = batch.frame_of(lane);
         Self {
             member,
-            sum: in_lane(sum),
+            sum: in_lane(lane, sum),
             impulses,
             most: batch.friction_coefficient.get(lane) * sum,
             centers: centers.map(|center| center.get(lane)),
@@ -113,13 +117,8 @@ impl<I: Instructions> Touch<'_, I> {
     /// Books the impact of the lane with its friction along both tangents [N s].
     fn book(&self, batch: &mut ContactBatch<I>, bodies: &mut SolverBodies, friction: [f64; 2]) {
         let lane = self.member.place.lane();
-        let in_lane = |value: f64| {
-            let mut lanes = Single::ZERO;
-            lanes.set(lane, value);
-            lanes
-        };
-        let friction = friction.map(in_lane);
-        batch.book_impact(self.sum, friction, self.slip.map(in_lane));
+        let friction = friction.map(|friction| in_lane(lane, friction));
+        batch.book_impact(self.sum, friction, self.slip.map(|slip| in_lane(lane, slip)));
         if batch.has_driven() {
             let lines = &bodies.lines(batch.first_line..bodies.lines.len());
             batch.note_driven_work(lines, self.impulses, friction, Single::ZERO);

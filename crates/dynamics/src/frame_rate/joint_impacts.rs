@@ -2,11 +2,12 @@
 //! They are solved together, as the points of one constraint are: one after the other they would
 //! spin what falls flat onto a seam.
 
-use super::constraints::{MOST_POINTS, SAME_NORMAL, Selection};
+use super::constraints::{MOST_POINTS, SAME_NORMAL};
 use super::contact_batch::ContactBatch;
 use super::joint_friction::rub_jointly;
+use super::joint_lanes::{FIXED, Member, inverses, partner};
 use super::kernels::Substep;
-use super::restitution::Meeting;
+use super::meeting::Meeting;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use super::timeline::{BatchLines, Timeline};
 use super::touching::{Place, Touching};
@@ -18,60 +19,6 @@ const SWEEPS: usize = 200;
 
 /// Change of velocities in a sweep, relative to the fastest approach, at which the sweeps end [1].
 const CLOSE: f64 = 1e-6;
-
-/// For each constraint: true if one of its bodies has other constraints with the same partner, and
-/// so may have joint impacts. `is_movable` is indexed by solver line.
-pub(super) fn companions(selections: &[Selection], is_movable: &[bool]) -> Vec<bool> {
-    // Line that moves of a constraint with a fixed body.
-    let with_fixed = |selection: &Selection| {
-        let [first, second] = selection.lines.map(|line| line as usize);
-        match [is_movable[first], is_movable[second]] {
-            [true, false] => Some(first),
-            [false, true] => Some(second),
-            _ => None,
-        }
-    };
-    let mut counts = vec![0_u32; is_movable.len()];
-    selections.iter().filter_map(with_fixed).for_each(|line| counts[line] += 1);
-    // Constraints of one pair follow each other.
-    let of_pairs = selections.chunk_by(|a, b| a.manifold == b.manifold);
-    let has_companion = |of_pair: &[Selection], selection: &Selection| {
-        of_pair.len() > 1 || with_fixed(selection).is_some_and(|line| counts[line] > 1)
-    };
-    of_pairs
-        .flat_map(|of_pair| of_pair.iter().map(move |selection| (of_pair, selection)))
-        .map(|(of_pair, selection)| has_companion(of_pair, selection))
-        .collect()
-}
-
-/// All fixed bodies.
-pub(super) const FIXED: usize = usize::MAX;
-
-/// Line of the other body of a line's lane, or [`FIXED`].
-fn partner<I: Instructions>(
-    batches: &[ContactBatch<I>],
-    bodies: &SolverBodies,
-    (line, place): (usize, Place),
-) -> usize {
-    let [first, second] = batches[place.batch()].lines().map(|lines| lines[place.lane()]);
-    let other = if first == line { second } else { first };
-    if bodies.lines[other].is_movable() { other } else { FIXED }
-}
-
-/// Inverse masses [1/kg] and inertias [1/(kg m^2)] of the bodies that move.
-pub(super) fn inverses(lines: [usize; 2], bodies: &SolverBodies) -> Vec<(f64, DMat3)> {
-    let movable = lines.into_iter().filter(|&line| line != FIXED);
-    movable.map(|line| bodies.inverse_mass_and_inertia(line)).collect()
-}
-
-/// A lane in a joint impact.
-pub(super) struct Member {
-    pub(super) place: Place,
-    /// Side of the body whose impacts they are.
-    pub(super) side: usize,
-    /// Normal impulses of its points [N s].
-    pub(super) impulses: [f64; MOST_POINTS],
-}
 
 /// A point in a joint impact; the first body is the one whose impacts they are.
 struct JointPoint {
@@ -115,7 +62,10 @@ impl JointImpact {
         for &other in touching.lanes(line) {
             let batch = &batches[other.batch()];
             let is_other = other.batch() != place.batch();
-            if is_other && partner(batches, bodies, (line, other)) == with {
+            if is_other
+                && partner(batches, bodies, (line, other)) == with
+                && joint.fits(batch, other)
+            {
                 let lines = &bodies.lines(batch.first_line..bodies.lines.len());
                 let clocks = BatchLines::new(batch).clocks(timeline);
                 joint.take(batch, other, &batch.meeting(lines, clocks, substep));
@@ -124,16 +74,25 @@ impl JointImpact {
         (joint.members.len() > 1).then_some(joint)
     }
 
-    /// Takes the meeting points of a lane, if it has the same normal.
+    /// Side of the first body in a lane, and the normal that points to it.
+    fn seen_in<I: Instructions>(&self, batch: &ContactBatch<I>, lane: usize) -> (usize, DVec3) {
+        let is_first = batch.lines()[0][lane] == self.lines[0];
+        let normal = batch.normal.get(lane);
+        if is_first { (0, -normal) } else { (1, normal) }
+    }
+
+    /// True if a lane may act, and has the same normal.
+    fn fits<I: Instructions>(&self, batch: &ContactBatch<I>, place: Place) -> bool {
+        let (_, normal) = self.seen_in(batch, place.lane());
+        let is_along = |point: &JointPoint| point.normal.dot(normal) > SAME_NORMAL;
+        !batch.unconfirmed.get(place.lane()) && self.points.first().is_some_and(is_along)
+    }
+
+    /// Takes the meeting points of a lane.
     fn take<I: Instructions>(&mut self, batch: &ContactBatch<I>, place: Place, of: &Meeting<I>) {
         let lane = place.lane();
-        let is_first = batch.lines()[0][lane] == self.lines[0];
-        let (side, sign) = if is_first { (0, -1.0) } else { (1, 1.0) };
-        let normal = sign * batch.normal.get(lane);
-        let is_along = |point: &JointPoint| point.normal.dot(normal) > SAME_NORMAL;
-        if batch.unconfirmed.get(lane) || !self.points.first().is_none_or(is_along) {
-            return;
-        }
+        let (side, normal) = self.seen_in(batch, lane);
+        let sign = if side == 0 { -1.0 } else { 1.0 };
         let member = self.members.len();
         for number in (0..batch.point_count).filter(|&number| of.meets[number].get(lane)) {
             let arms = &of.arms[number];

@@ -1,6 +1,6 @@
 //! Velocities and inverse inertias of both sides of a batch during a visit.
 
-use super::contact_batch::inverse_2x2;
+use super::effective_mass::inverse_2x2;
 use super::solver_bodies::LaneVelocities;
 use frangible_math::{Instructions, Single, Single3, Symmetric};
 
