@@ -10,6 +10,8 @@
 
 use frangible::{BodyDesc, MotionDesc, Resolution, SceneDesc, ShapeDesc, World, step};
 use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 const GRAVITY: f64 = 9.81;
 const RESTITUTION: f64 = 0.5;
@@ -181,4 +183,45 @@ fn friction_of_an_impact_acts_at_the_surface() {
             assert!(off < 0.1, "{case}: {} rad/s", spin(&world));
         }
     }
+}
+
+/// Velocity, and spin times half a length [m/s], 0.4 s after a block was thrown at a wall.
+fn thrown(seed: u64, frames_per_second: f64) -> [DVec3; 2] {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut within = |most: f64| rng.random_range(-most..most);
+    let surface = |body: BodyDesc| BodyDesc { restitution: 0.3, friction: 0.5, ..body };
+    let wall = BodyDesc {
+        motion: MotionDesc::Static,
+        position: [0.0, 0.0, 0.25],
+        ..BodyDesc::new("wall", cuboid([8.0, 8.0, 0.5]))
+    };
+    let block = BodyDesc {
+        position: [0.0, 0.0, -0.3],
+        orientation: std::array::from_fn(|_| within(1.0)),
+        linear_velocity: [within(3.0), 0.0, 4.0 + within(2.0)],
+        angular_velocity: std::array::from_fn(|_| within(3.0)),
+        ..BodyDesc::new("block", cuboid([0.1, 0.06, 0.04]))
+    };
+    let mut scene = SceneDesc { gravity: [0.0; 3], ..SceneDesc::new("block") };
+    scene.frames_per_second = frames_per_second;
+    scene.bodies = vec![surface(wall), surface(block)];
+    let mut world = World::build(&scene).unwrap();
+    for _ in 0..(0.4 * frames_per_second) as usize {
+        step(&mut world);
+    }
+    [world.bodies().velocities[1].linear, 0.05 * spin(&world)]
+}
+
+/// Blocks that tumble against a wall leave it as in small steps: in the median of 30 they are off by
+/// less than 0.2 m/s, and were by 0.7, when friction acted at the middle of points that do not
+/// touch.
+#[test]
+fn tumbling_impacts_are_those_of_small_steps() {
+    let off = |seed: u64| {
+        let [coarse, fine] = [30.0, 3000.0].map(|rate| thrown(seed, rate));
+        (coarse[0] - fine[0]).length() + (coarse[1] - fine[1]).length()
+    };
+    let mut all: Vec<f64> = (0..30).map(off).collect();
+    all.sort_by(f64::total_cmp);
+    assert!(all[15] < 0.2, "{all:?}");
 }
