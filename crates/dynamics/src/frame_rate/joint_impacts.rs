@@ -8,11 +8,11 @@ use super::joint_friction::rub_jointly;
 use super::joint_lanes::{FIXED, Member, inverses, partner};
 use super::kernels::Substep;
 use super::meeting::Meeting;
-use super::solver_bodies::{SolverBodies, SolverBody};
+use super::solver_bodies::{SPINS, SolverBodies, SolverBody, symmetric};
 use super::timeline::{BatchLines, Timeline};
 use super::touching::{Place, Touching};
 use frangible_math::{Instructions, LANES, Mask, Singles};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 /// Maximum number of Gauss-Seidel sweeps over the points of a joint impact.
 const SWEEPS: usize = 200;
@@ -197,5 +197,37 @@ impl JointImpact {
             moment += sign * point.impulse * point.moments[side];
         }
         body.push(impulse, moment, inverse_inertia);
+    }
+}
+
+impl SolverBody {
+    /// Applies an impulse [N s] with its moment about the centre [N m s].
+    pub(super) fn push(&mut self, impulse: DVec3, moment: DVec3, inverse_inertia: &Singles) {
+        let Singles(v) = &mut self.velocity;
+        let linear = f64::from(v[6]) * impulse;
+        let angular = symmetric(inverse_inertia) * moment;
+        for (k, change) in linear.to_array().into_iter().chain(angular.to_array()).enumerate() {
+            v[k] = (f64::from(v[k]) + change) as f32;
+        }
+    }
+
+    /// Moves the body back to where it would be if it had had its velocity since `time` [s] after
+    /// the substep's start, and the one of `before` until then. Returns an upper bound of the change
+    /// of its points' velocities [m/s] in a substep of `h` [s].
+    pub(super) fn end_impact(&mut self, before: &Self, time: f32, h: f32) -> f32 {
+        let part = |body: &Self, k: usize| {
+            let Singles(v) = body.velocity;
+            Vec3::new(v[k], v[k + 1], v[k + 2])
+        };
+        let (spin, radius) = (part(self, 3), self.velocity.0[7]);
+        let [linear, angular] = [0, 3].map(|k| part(self, k) - part(before, k));
+        let turn = (0.5 * time * angular).clamp_length_max(0.5 * SPINS);
+        let Singles(d) = &mut self.displacement;
+        for k in 0..3 {
+            d[k] -= time * linear[k];
+            d[k + 3] -= turn[k];
+        }
+        let turns = angular.length() * radius;
+        linear.length() + turns + turns * spin.length() * h
     }
 }

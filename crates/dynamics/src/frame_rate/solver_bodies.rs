@@ -48,36 +48,6 @@ impl SolverBody {
     pub(super) fn is_movable(&self) -> bool {
         self.velocity.0[6] > 0.0
     }
-
-    /// Applies an impulse [N s] with its moment about the centre [N m s].
-    pub(super) fn push(&mut self, impulse: DVec3, moment: DVec3, inverse_inertia: &Singles) {
-        let Singles(v) = &mut self.velocity;
-        let linear = f64::from(v[6]) * impulse;
-        let angular = symmetric(inverse_inertia) * moment;
-        for (k, change) in linear.to_array().into_iter().chain(angular.to_array()).enumerate() {
-            v[k] = (f64::from(v[k]) + change) as f32;
-        }
-    }
-
-    /// Moves the body back to where it would be if it had had its velocity since `time` [s] after
-    /// the substep's start, and the one of `before` until then. Returns an upper bound of the change
-    /// of its points' velocities [m/s] in a substep of `h` [s].
-    pub(super) fn end_impact(&mut self, before: &Self, time: f32, h: f32) -> f32 {
-        let part = |body: &Self, k: usize| {
-            let Singles(v) = body.velocity;
-            Vec3::new(v[k], v[k + 1], v[k + 2])
-        };
-        let (spin, radius) = (part(self, 3), self.velocity.0[7]);
-        let [linear, angular] = [0, 3].map(|k| part(self, k) - part(before, k));
-        let turn = (0.5 * time * angular).clamp_length_max(0.5 * SPINS);
-        let Singles(d) = &mut self.displacement;
-        for k in 0..3 {
-            d[k] -= time * linear[k];
-            d[k + 3] -= turn[k];
-        }
-        let turns = angular.length() * radius;
-        linear.length() + turns + turns * spin.length() * h
-    }
 }
 
 /// The bodies of an island group.
@@ -363,7 +333,8 @@ fn symmetric_line(m: &DMat3) -> Singles {
     Singles(entries.map(|entry| entry as f32))
 }
 
-fn symmetric(line: &Singles) -> DMat3 {
+/// Matrix of a line's entries.
+pub(super) fn symmetric(line: &Singles) -> DMat3 {
     let [xx, yy, zz, yz, xz, xy, ..] = line.0.map(f64::from);
     DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
 }
