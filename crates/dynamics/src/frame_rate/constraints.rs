@@ -93,8 +93,8 @@ pub(super) struct Constraint {
     pub(super) normal: DVec3,
     pub(super) tangent: DVec3,
     pub(super) points: Points,
-    /// Mean of the anchors [m], and its distance along the normal to the middle between both
-    /// surfaces [m].
+    /// Mean of the anchors [m], and its distance along the normal to where friction acts [m]: on both
+    /// surfaces, which meet there, or in the middle of an overlap.
     pub(super) centers: [DVec3; 2],
     pub(super) offsets: [f64; 2],
     /// Impulses of the last frame, per substep: along both tangents [N s], about the normal and
@@ -193,7 +193,7 @@ impl Source<'_> {
             to.anchors = [turned(pair.first, anchor_first), turned(pair.second, anchor_second)];
             to.separation = gap;
             for side in 0..2 {
-                let half = 0.5 * gap;
+                let half = 0.5 * gap.min(0.0);
                 let offset = if side == 0 { rounding[0] + half } else { -rounding[1] - half };
                 centers[side] += share * to.anchors[side];
                 offsets[side] += share * offset;

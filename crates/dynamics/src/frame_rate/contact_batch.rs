@@ -1,19 +1,17 @@
 //! Contact constraints of eight manifolds side by side, in single precision.
 
 use super::constraints::{Constraint, MOST_POINTS};
+use super::effective_mass::{inverse_2x2, reciprocal};
 use super::lane_bodies::{
     LaneDisplacements, LaneVelocities, displacements, inverse_inertias, velocities,
 };
+use super::sides::Sides;
 use super::solver_bodies::Lines;
 use frangible_math::{Instructions, LANES, Mask, Single, Single3, Symmetric};
 use glam::DVec3;
 
 /// Storage index of entry (i, j) of the symmetric 4 x 4 matrix K.
 pub(super) const ENTRY: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]];
-
-/// Minimum determinant of a 2 x 2 effective mass, relative to the product of its diagonal. For
-/// slivers the determinant is pure rounding error.
-const LEAST_DETERMINANT: f64 = 1e-5;
 
 /// One point of each of eight manifolds.
 #[derive(Clone, Copy)]
@@ -72,7 +70,10 @@ pub(super) struct ContactBatch<I> {
     pub(super) spinning_friction: Single<I>,
     pub(super) rolling: Option<Box<RollingLanes<I>>>,
     pub(super) restitution: Single<I>,
-    /// Lanes with restitution.
+    /// Lanes whose impacts may be solved together with those of other lanes.
+    pub(super) companions: Mask,
+    /// Lanes whose impacts are solved as such: those with restitution or with companions. Without
+    /// restitution others are stopped by the soft sweep.
     pub(super) bounces: Mask,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: Single<I>,
@@ -131,6 +132,7 @@ impl<I: Instructions> ContactBatch<I> {
             spinning_friction: zero,
             rolling: None,
             restitution: zero,
+            companions: Mask::NONE,
             bounces: Mask::NONE,
             gravity: zero,
             frame_impulse: [zero; 3],
@@ -178,7 +180,8 @@ impl<I: Instructions> ContactBatch<I> {
         self.friction_coefficient.set(lane, surface.friction);
         self.spinning_friction.set(lane, surface.spinning_friction);
         self.restitution.set(lane, surface.restitution.max(0.0));
-        self.bounces.set(lane, surface.restitution > 0.0);
+        let has_impacts = surface.restitution > 0.0 || self.companions.get(lane);
+        self.bounces.set(lane, has_impacts);
         if surface.rolling_friction > 0.0 {
             let zero = Single::ZERO;
             let none = RollingLanes {
@@ -241,8 +244,8 @@ impl<I: Instructions> ContactBatch<I> {
     pub(super) fn prepare(&mut self, lines: &Lines) {
         self.is_stale = false;
         let at = self.displacements(lines);
-        let inertia = self.inverse_inertias(lines);
-        let of = self.velocities(lines);
+        let sides = self.sides(lines);
+        let Sides { of, inertia } = &sides;
         let inverse_mass = of[0].inverse_mass + of[1].inverse_mass;
         let n = self.normal;
         let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
@@ -263,22 +266,16 @@ impl<I: Instructions> ContactBatch<I> {
 
         let tangents = [self.tangent, n.cross(self.tangent)];
         let centers = self.turned_centers(&at);
-        let mut along = [inverse_mass, inverse_mass, Single::ZERO];
+        self.tangent_mass = sides.tangent_mass(tangents, centers);
         let mut about = [Single::ZERO; 3];
         let mut twist = Single::ZERO;
         for side in 0..2 {
-            let moments = [centers[side].cross(tangents[0]), centers[side].cross(tangents[1])];
-            let turns = [inertia[side] * moments[0], inertia[side] * moments[1]];
-            along[0] = along[0] + turns[0].dot(moments[0]);
-            along[1] = along[1] + turns[1].dot(moments[1]);
-            along[2] = along[2] + turns[0].dot(moments[1]);
             let turns = [inertia[side] * tangents[0], inertia[side] * tangents[1]];
             about[0] = about[0] + turns[0].dot(tangents[0]);
             about[1] = about[1] + turns[1].dot(tangents[1]);
             about[2] = about[2] + turns[0].dot(tangents[1]);
             twist = twist + (inertia[side] * n).dot(n);
         }
-        self.tangent_mass = inverse_2x2(along);
         self.twist_inertia = reciprocal(twist);
         if let Some(rolling) = &mut self.rolling {
             rolling.effective_inertia = inverse_2x2(about);
@@ -334,21 +331,4 @@ impl<I> ContactBatch<I> {
     pub(super) fn lines(&self) -> [[usize; LANES]; 2] {
         self.ids.map(|of_side| of_side.map(|id| self.first_line + id as usize))
     }
-}
-
-/// 1/x for positive x, else 0.
-#[inline(always)]
-pub(super) fn reciprocal<I: Instructions>(x: Single<I>) -> Single<I> {
-    x.above(Single::ZERO).select(Single::same(1.0) / x, Single::ZERO)
-}
-
-/// Inverse of a symmetric matrix with entries xx, yy and xy. Dividing by the trace first keeps the
-/// squared entries of slivers within single precision.
-#[inline(always)]
-fn inverse_2x2<I: Instructions>([xx, yy, xy]: [Single<I>; 3]) -> [Single<I>; 3] {
-    let scale = reciprocal(xx + yy);
-    let (xx, yy, xy) = (xx * scale, yy * scale, xy * scale);
-    let least = xx * yy * Single::splat(LEAST_DETERMINANT);
-    let by = reciprocal((xx * yy - xy * xy).max(least)) * scale;
-    [yy * by, xx * by, -(xy * by)]
 }

@@ -1,9 +1,11 @@
 //! Friction of a batch: Coulomb's at the middle of the contact patch, twisting, and rolling.
 
-use super::contact_batch::{ContactBatch, reciprocal};
+use super::constraints::MOST_POINTS;
+use super::contact_batch::ContactBatch;
+use super::effective_mass::reciprocal;
 use super::lane_bodies::LaneDisplacements;
 use super::sides::Sides;
-use frangible_math::{Instructions, Single};
+use frangible_math::{Instructions, Single, Single3};
 
 impl<I: Instructions> ContactBatch<I> {
     /// Twisting and rolling friction, then Coulomb friction in two dimensions at the manifold's
@@ -65,26 +67,66 @@ impl<I: Instructions> ContactBatch<I> {
         self.friction_work = self.friction_work + force.dot(sides.velocity_at(centers));
     }
 
-    /// Friction of an impact with normal impulse `sum`, and the slip before it along both tangents.
+    /// Friction of an impact with normal `impulses` and their `sum`, and the slip before it along
+    /// both tangents.
     #[inline(always)]
     pub(super) fn rub_impact(
         &self,
         sides: &mut Sides<I>,
         at: &[LaneDisplacements<I>; 2],
-        sum: Single<I>,
+        (sum, impulses): (Single<I>, &[Single<I>; MOST_POINTS]),
     ) -> ([Single<I>; 2], [Single<I>; 2]) {
         let zero = Single::ZERO;
-        let centers = self.turned_centers(at);
+        let centers = self.impact_centers(at, (sum, impulses));
         let tangents = [self.tangent, self.normal.cross(self.tangent)];
         let slip = sides.velocity_at(centers);
         let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
         let most = self.friction_coefficient * sum;
-        let friction = within_cone([zero; 2], self.tangent_mass, slip, most);
+        let mass = sides.tangent_mass(tangents, centers);
+        let friction = within_cone([zero; 2], mass, slip, most);
         let rubs = sum.above(zero);
         let friction = [rubs.select(friction[0], zero), rubs.select(friction[1], zero)];
         let friction = sides.rub(friction, slip, tangents, centers);
         sides.push_at(centers, tangents[0] * friction[0] + tangents[1] * friction[1]);
         (friction, slip)
+    }
+
+    /// Points at which friction of an impact acts, from the bodies' centres [m]: where its normal
+    /// impulse does.
+    #[inline(always)]
+    pub(super) fn impact_centers(
+        &self,
+        at: &[LaneDisplacements<I>; 2],
+        (sum, impulses): (Single<I>, &[Single<I>; MOST_POINTS]),
+    ) -> [Single3<I>; 2] {
+        let share = reciprocal(sum);
+        let mut centers = [Single3::ZERO; 2];
+        for (point, &impulse) in self.points[..self.point_count].iter().zip(impulses) {
+            for side in 0..2 {
+                centers[side] = centers[side] + point.anchors[side] * (impulse * share);
+            }
+        }
+        for side in 0..2 {
+            let offset = self.normal * self.offsets[side];
+            centers[side] = centers[side] + at[side].turn_of(centers[side]) + offset;
+        }
+        centers
+    }
+
+    /// Books an impact's normal impulse, and friction along both tangents with the slip before it.
+    #[inline(always)]
+    pub(super) fn book_impact(
+        &mut self,
+        sum: Single<I>,
+        friction: [Single<I>; 2],
+        slip: [Single<I>; 2],
+    ) {
+        self.acted = self.acted.or(sum.above(Single::ZERO));
+        self.frame_impulse[0] = self.frame_impulse[0] + sum;
+        for k in 0..2 {
+            self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];
+            self.friction_work = self.friction_work + friction[k] * slip[k] * Single::same(0.5);
+        }
     }
 }
 
@@ -96,7 +138,7 @@ impl<I: Instructions> ContactBatch<I> {
 /// degrees to their sides, 14 degrees off their way. A step by the smaller principal mass, clamped,
 /// has its fixed point where the two are parallel, and never gives energy.
 #[inline(always)]
-fn within_cone<I: Instructions>(
+pub(super) fn within_cone<I: Instructions>(
     impulse: [Single<I>; 2],
     [xx, yy, xy]: [Single<I>; 3],
     [x, y]: [Single<I>; 2],

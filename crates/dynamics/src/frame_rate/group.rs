@@ -2,6 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
+use super::joint_lanes::companions;
 use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
@@ -92,6 +93,7 @@ impl<I: Instructions> Group<I> {
             threads::map_with(of_slabs, members.len(), room, |taken, members| {
                 colours.order(members, acts_in, taken)
             });
+        let companions = companions(&selections, &is_movable);
         let mut batches = Vec::new();
         let mut all = Vec::with_capacity(orders.len());
         for (number, order) in orders.iter().enumerate() {
@@ -111,6 +113,7 @@ impl<I: Instructions> Group<I> {
                     let selection = &selections[number as usize];
                     let source = source(selection);
                     let constraint = source.constraint(selection, bodies, (h, frame));
+                    batch.companions.set(lane, companions[number as usize]);
                     batch.fill(lane, (number, &constraint));
                     batch.unconfirmed.set(lane, !is_confirmed(bodies, &source, frame));
                 }

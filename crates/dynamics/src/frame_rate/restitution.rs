@@ -2,15 +2,18 @@
 //! at once through rows of any length.
 
 use super::constraints::MOST_POINTS;
-use super::contact_batch::{ContactBatch, ENTRY, reciprocal};
-use super::lane_bodies::{LaneDisplacements, LaneVelocities};
-use super::sides::{Sides, shortened};
+use super::contact_batch::{ContactBatch, ENTRY};
+use super::effective_mass::reciprocal;
+use super::joint_impacts::JointImpact;
+use super::lane_bodies::LaneVelocities;
+use super::meeting::Meeting;
+use super::sides::shortened;
 use super::solver_bodies::{Lines, SolverBodies};
 use super::speculative_contacts::BatchFlags;
 use super::substep::Substep;
 use super::timeline::{BatchLines, Timeline};
-use super::touching::Touching;
-use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};
+use super::touching::{Place, Touching};
+use frangible_math::{Instructions, LANES, Mask, Single, Single3};
 
 /// Bounds the visits of a substep to `VISITS * (VISITS + batches)`. A row of 500 touching balls has
 /// 63 batches and takes 1,000 visits. Later impacts are stopped without bouncing.
@@ -21,8 +24,10 @@ pub(super) fn most_visits(batches: usize) -> usize {
     VISITS * (VISITS + batches)
 }
 
-/// Minimum closing speed in a time of impact [m/s].
-const LEAST_SPEED: f32 = 1e-9;
+/// Maximum number of Gauss-Seidel sweeps over the points of an impact, and change of a velocity in a
+/// sweep, relative to the fastest approach, at which they end [1].
+const SWEEPS: usize = 32;
+const CLOSE: f32 = 1e-4;
 
 /// Propagates impacts until no contact approaches faster than the threshold. In each round a pair
 /// may bounce only if neither body has an earlier impact: a body that travels past several
@@ -73,6 +78,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
                 continue;
             }
             *visits -= 1;
+            let joint = bounce_jointly(batches, bodies, (timeline, touching), at, substep);
             let batch = &mut batches[at];
             let of_batch = BatchLines::new(batch);
             let mut lines = bodies.lines(batch.first_line..bodies.lines.len());
@@ -80,7 +86,8 @@ pub(super) fn propagate_impacts<I: Instructions>(
             if batch.may_bounce {
                 asked.insert(at);
             }
-            for (line, change) in of_batch.changed(timeline, changes) {
+            let changed = of_batch.changed(timeline, changes);
+            for (line, change) in joint.into_iter().chain(changed) {
                 for place in touching.lanes(line) {
                     let next = place.batch();
                     let need = &mut timeline.needs[next][place.lane()];
@@ -103,74 +110,37 @@ pub(super) fn propagate_impacts<I: Instructions>(
     timeline.end();
 }
 
-/// Points of a batch that meet within a substep.
-struct Meeting<I> {
-    sides: Sides<I>,
-    at: [LaneDisplacements<I>; 2],
-    /// Per point: moments of a unit impulse, velocity, and target velocity [m/s].
-    arms: [[Single3<I>; 2]; MOST_POINTS],
-    approach: [Single<I>; MOST_POINTS],
-    target: [Single<I>; MOST_POINTS],
-    /// Time of impact [s], and validity.
-    time: [Single<I>; MOST_POINTS],
-    meets: [Mask; MOST_POINTS],
-    /// Lanes with an impact above the threshold, those that must be detected again before it, and
-    /// the first time of impact [s].
-    hits: Mask,
-    waits: Mask,
-    first: Single<I>,
-    /// Velocity change of each lane that would cause an impact [m/s].
-    needs: Single<I>,
+/// Bounces those lanes of a batch that have a joint impact with others. Returns the lines whose
+/// velocities change, and upper bounds of the changes [m/s].
+#[inline(always)]
+fn bounce_jointly<I: Instructions>(
+    batches: &mut [ContactBatch<I>],
+    bodies: &mut SolverBodies,
+    (timeline, touching): (&mut Timeline, &Touching),
+    at: usize,
+    substep: &Substep<I>,
+) -> Vec<(usize, f32)> {
+    let batch = &batches[at];
+    if !batch.companions.any() {
+        return Vec::new();
+    }
+    let lines = &bodies.lines(batch.first_line..bodies.lines.len());
+    let of_batch = BatchLines::new(batch);
+    let meeting = batch.meeting(lines, of_batch.clocks(timeline), substep);
+    let hits = meeting.hits.and(batch.companions);
+    let are_next = of_batch.are_next(timeline, hits, meeting.first.to_array());
+    let mut changed = Vec::new();
+    for lane in (0..LANES).filter(|&lane| are_next.get(lane)) {
+        let of_lane = (Place::new(at, lane), &meeting);
+        let joint = JointImpact::of_lane(batches, bodies, (timeline, touching), of_lane, substep);
+        if let Some(joint) = joint {
+            changed.extend(joint.bounce(batches, bodies, timeline, substep));
+        }
+    }
+    changed
 }
 
 impl<I: Instructions> ContactBatch<I> {
-    /// Finds the points that meet within the substep; none before its `clock` [s].
-    #[inline(always)]
-    fn meeting(&self, lines: &Lines, clock: [f32; LANES], substep: &Substep<I>) -> Meeting<I> {
-        let zero = Single::<I>::ZERO;
-        let n = self.normal;
-        let sides = self.sides(lines);
-        let at = self.displacements(lines);
-        let linear = n.dot(sides.of[1].linear - sides.of[0].linear);
-        let apart = n.dot(at[1].translation - at[0].translation);
-        let clock = Single::of_column(&Singles(clock));
-
-        // Velocities include gravity's kick of the whole substep.
-        let mut arms = [[Single3::ZERO; 2]; MOST_POINTS];
-        let (mut approach, mut target) = ([zero; MOST_POINTS], [zero; MOST_POINTS]);
-        let (mut time, mut first) = ([zero; MOST_POINTS], substep.h);
-        let (mut meets, mut hits) = ([Mask::NONE; MOST_POINTS], Mask::NONE);
-        let never = Single::same(f32::MAX);
-        let mut needs = never;
-        for i in 0..self.point_count {
-            let anchors = self.points[i].anchors;
-            let turns = [at[0].turn_of(anchors[0]), at[1].turn_of(anchors[1])];
-            let separation = self.points[i].separation + apart + n.dot(turns[1] - turns[0]);
-            arms[i] = [(anchors[0] + turns[0]).cross(n), (anchors[1] + turns[1]).cross(n)];
-            let velocity =
-                linear + arms[i][1].dot(sides.of[1].angular) - arms[i][0].dot(sides.of[0].angular);
-            approach[i] = velocity;
-            let closing = (-velocity).max(Single::same(LEAST_SPEED));
-            time[i] = (separation / closing).max(clock).min(substep.h);
-            let later = self.gravity * (substep.h - time[i]);
-            let at_impact = velocity - later;
-            let is_fast = substep.bounce_velocity.above(at_impact);
-            meets[i] = zero.above(separation + velocity * substep.h);
-            target[i] = is_fast.select(later - self.restitution * at_impact, zero);
-            let hit = is_fast.and(meets[i]);
-            first = hit.select(first.min(time[i]), first);
-            hits = hits.or(hit);
-            let to_meet = separation * substep.per_second + velocity;
-            let slowest = velocity - (self.gravity * substep.h).max(zero);
-            needs = needs.min(to_meet.max(slowest - substep.bounce_velocity));
-        }
-        let hits = hits.and(self.bounces);
-        let (hits, waits) =
-            (hits.and(self.unconfirmed.not()), hits.and(self.unconfirmed).and(self.passes.not()));
-        let needs = self.bounces.select(needs, never);
-        Meeting { sides, at, arms, approach, target, time, meets, hits, waits, first, needs }
-    }
-
     /// Bounces each lane at its time of impact unless one of its bodies has an earlier impact.
     /// Returns an upper bound of each body's change of point velocity [m/s].
     #[inline(always)]
@@ -213,21 +183,15 @@ impl<I: Instructions> ContactBatch<I> {
         }
         let scale = shortened(sides.work_of(sum, moments), lost + lost);
         let sum = sum * scale;
+        for impulse in &mut impulses {
+            *impulse = *impulse * scale;
+        }
         let before = sides.of;
         sides.push(n, sum, [moments[0] * scale, moments[1] * scale]);
 
-        let (friction, slip) = self.rub_impact(&mut sides, &at, sum);
-        let rubs = sum.above(zero);
-        self.acted = self.acted.or(rubs);
-        self.frame_impulse[0] = self.frame_impulse[0] + sum;
-        for k in 0..2 {
-            self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];
-            self.friction_work = self.friction_work + friction[k] * slip[k] * Single::same(0.5);
-        }
+        let (friction, slip) = self.rub_impact(&mut sides, &at, (sum, &impulses));
+        self.book_impact(sum, friction, slip);
         if self.has_driven() {
-            for impulse in &mut impulses {
-                *impulse = *impulse * scale;
-            }
             self.note_driven_work(lines, impulses, friction, zero);
         }
         self.store(&sides, lines);
@@ -260,7 +224,9 @@ impl<I: Instructions> ContactBatch<I> {
     ) -> [Single<I>; MOST_POINTS] {
         let zero = Single::ZERO;
         let (mut missing, mut yields) = (zero, [zero; MOST_POINTS]);
+        let mut slowest = zero;
         for i in 0..self.point_count {
+            slowest = slowest.min(meets[i].select(velocity[i], zero));
             missing = missing + meets[i].select(target[i] - velocity[i], zero);
             for j in 0..self.point_count {
                 let both = meets[i].and(meets[j]);
@@ -274,16 +240,23 @@ impl<I: Instructions> ContactBatch<I> {
             impulses[i] = meets[i].select(equal, zero);
             velocity[i] = velocity[i] + equal * yields[i];
         }
-        for _ in 0..self.point_sweeps() {
+        let close = slowest * Single::same(-CLOSE);
+        for _ in 0..SWEEPS {
+            let mut largest = zero;
             for i in 0..self.point_count {
                 let change = self.points[i].effective_mass * (velocity[i] - target[i]);
                 let impulse = (impulses[i] - change).max(zero);
                 let impulse = hits.and(meets[i]).select(impulse, zero);
                 let given = impulse - impulses[i];
                 impulses[i] = impulse;
+                let moved = self.k[ENTRY[i][i]] * given;
+                largest = largest.max(moved.max(-moved));
                 for j in 0..self.point_count {
                     velocity[j] = velocity[j] + self.k[ENTRY[i][j]] * given;
                 }
+            }
+            if !largest.above(close).any() {
+                break;
             }
         }
         impulses

@@ -1,5 +1,6 @@
 //! Velocities and inverse inertias of both sides of a batch during a visit.
 
+use super::effective_mass::inverse_2x2;
 use super::lane_bodies::LaneVelocities;
 use frangible_math::{Instructions, Single, Single3, Symmetric};
 
@@ -42,6 +43,26 @@ impl<I: Instructions> Sides<I> {
         impulse * impulse * inverse_mass
             + moments[0].dot(self.inertia[0] * moments[0])
             + moments[1].dot(self.inertia[1] * moments[1])
+    }
+
+    /// Inverse of the 2 x 2 matrix along both tangents at arms relative to both centres: xx, yy, xy
+    /// [kg].
+    #[inline(always)]
+    pub(super) fn tangent_mass(
+        &self,
+        tangents: [Single3<I>; 2],
+        arms: [Single3<I>; 2],
+    ) -> [Single<I>; 3] {
+        let inverse_mass = self.of[0].inverse_mass + self.of[1].inverse_mass;
+        let mut along = [inverse_mass, inverse_mass, Single::ZERO];
+        for (arm, inertia) in arms.into_iter().zip(&self.inertia) {
+            let moments = [arm.cross(tangents[0]), arm.cross(tangents[1])];
+            let turns = [*inertia * moments[0], *inertia * moments[1]];
+            along[0] = along[0] + turns[0].dot(moments[0]);
+            along[1] = along[1] + turns[1].dot(moments[1]);
+            along[2] = along[2] + turns[0].dot(moments[1]);
+        }
+        inverse_2x2(along)
     }
 
     /// Scales the change of friction along both tangents to at most the change that stops the slip.

@@ -144,6 +144,11 @@ impl SolverBodies {
         Vec3::new(v[3], v[4], v[5]).length().into()
     }
 
+    /// Inverse mass [1/kg], and inverse inertia in the world frame [1/(kg m^2)], of a line.
+    pub(super) fn inverse_mass_and_inertia(&self, line: usize) -> (f64, DMat3) {
+        (self.lines[line].velocity.0[6].into(), symmetric(&self.inverse_inertias[line]))
+    }
+
     /// The lines in `range`.
     pub(super) fn lines(&mut self, range: Range<usize>) -> Lines<'_> {
         Lines {
@@ -326,4 +331,10 @@ fn symmetric_line(m: &DMat3) -> Singles {
     let entries =
         [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.z, m.x_axis.z, m.x_axis.y, 0.0, 0.0];
     Singles(entries.map(|entry| entry as f32))
+}
+
+/// Matrix of a line's entries.
+pub(super) fn symmetric(line: &Singles) -> DMat3 {
+    let [xx, yy, zz, yz, xz, xy, ..] = line.0.map(f64::from);
+    DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
 }
