@@ -6,6 +6,7 @@ use crate::narrow_phase::mesh::hull_mesh::support;
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, side_of};
 use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::round_motion::RoundMotion;
+use crate::narrow_phase::mesh::triangle_sweep::Facet;
 use crate::narrow_phase::revolved::features::Area;
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
@@ -38,15 +39,27 @@ pub(crate) fn round_contacts(
     let mut triangles = Vec::new();
     mesh.visit_box(low, high, |triangle| triangles.push(triangle));
     let on_faces = RoundMesh { of: RoundMotion::new(motion, round) };
+    let mut late = Vec::new();
     for &triangle in &triangles {
+        let first = contacts.len();
         on_faces.face(triangle, contacts);
+        if contacts[first..].iter().any(|contact| contact.time > 0.0) {
+            late.push(triangle);
+        }
     }
     triangles.retain(|&triangle| !mesh.owns_nothing(triangle));
     if triangles.is_empty() {
         return;
     }
-    let _ = support(motion, contacts);
+    let is_borne = support(motion, contacts);
     let on_edges = RoundMesh { of: RoundMotion::new(motion, round) };
+    if is_borne {
+        // Free flight sinks into what bears the body, and meets there what lies behind.
+        contacts.retain(|contact| contact.time == 0.0);
+        for triangle in late {
+            on_edges.face(triangle, contacts);
+        }
+    }
     for &triangle in &triangles {
         for corner in 0..3 {
             if mesh.owns_edge(triangle, corner) {
@@ -138,7 +151,10 @@ impl RoundMesh<'_> {
         let area = Area::Triangle(corners, plane);
         let points = of.points(&round, &partner, (separation, touch.time), |instant, found| {
             instant.on_area(area, found);
-            found.retain(|point| self.is_own(triangle, (&round, touch.time), point));
+            found.retain(|point| {
+                self.is_own(triangle, (&round, touch.time), point)
+                    && self.is_seen(triangle, &round, point)
+            });
         });
         let depth = DEPTH * of.motion.pair_motion.size;
         for point in points.iter().filter(|point| point.gap() >= -depth) {
@@ -150,6 +166,30 @@ impl RoundMesh<'_> {
             let feature = (Meets::PointOnFace(side_of(normal)), number);
             contacts.extend(of.contact(point, touch.time, feature));
         }
+    }
+
+    /// False for a point that a sheet hides from the body's middle. One that lies behind its
+    /// triangle has come there through a triangle, not past all of them, and in front of one no
+    /// other triangle is between.
+    fn is_seen(&self, triangle: usize, round: &PlacedRevolved, point: &RoundPoint) -> bool {
+        let MeshMotion { mesh, thin, rim, .. } = *self.of.motion;
+        if mesh.sides() == Sides::One {
+            return true;
+        }
+        let foot = point.anchors[1].point;
+        let is_deep = point.gap() < -rim;
+        let way = [round.middle, if is_deep { point.on_surfaces()[0] } else { foot }];
+        let mut is_between = false;
+        mesh.visit_way(way, thin, |other| {
+            let (corners, mut normal) = (mesh.corners(other), mesh.normal(other));
+            if normal.dot(way[0] - corners[0]) < 0.0 {
+                normal = -normal;
+            }
+            let facet = Facet { corners, normal };
+            let counts = is_deep || other != triangle && facet.height(foot) < -rim;
+            is_between |= counts && facet.crossing(way, thin).is_some();
+        });
+        is_between == is_deep
     }
 
     /// True for a point of the side that is at neither of its ends.
@@ -174,11 +214,21 @@ impl RoundMesh<'_> {
         let is_cut = self.is_cut(round, point);
         let turn = point.normal.dot(mesh.normal(triangle)).signum();
         let sag = self.of.sag(time);
-        let is_over = |corner: usize| {
+        // A sheet bears a body on either of its sides.
+        let fronts: &[f64] = if mesh.sides() == Sides::Two { &[1.0, -1.0] } else { &[turn] };
+        let is_over = |corner: usize, inward: DVec3| {
             let Some(next) = mesh.neighbour_normal(triangle, corner) else { return false };
-            let next = turn * next;
-            let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
-            next.dot(point.normal) < STEEP && gap.max(gap - sag.dot(next)) >= -rim
+            fronts.iter().any(|&front| {
+                let next = front * next;
+                // Only an edge that stands out has a rim.
+                if next.dot(point.normal) >= STEEP || next.dot(inward) >= 0.0 {
+                    return false;
+                }
+                let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
+                // The back of a fold is not met from before the other part of it.
+                let is_behind = front != turn && next.dot(round.middle - corners[corner]) > 0.0;
+                is_behind || gap.max(gap - sag.dot(next)) >= -rim
+            })
         };
         (0..3).all(|corner| {
             let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
@@ -186,8 +236,11 @@ impl RoundMesh<'_> {
             let off = inward.dot(foot - from);
             match mesh.edge_kind(triangle, corner) {
                 EdgeKind::Flat => !is_cut || off.abs() > thin,
-                EdgeKind::Border | EdgeKind::Concave => true,
-                EdgeKind::Convex => off.min(off - sag.dot(inward)) > rim || !is_over(corner),
+                EdgeKind::Border => true,
+                EdgeKind::Concave if mesh.sides() == Sides::One => true,
+                EdgeKind::Concave | EdgeKind::Convex => {
+                    off.min(off - sag.dot(inward)) > rim || !is_over(corner, inward)
+                }
             }
         })
     }
