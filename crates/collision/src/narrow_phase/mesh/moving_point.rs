@@ -207,6 +207,19 @@ impl MovingPoint<'_> {
         })
     }
 
+    /// True for a ball whose nearest point to a triangle's plane comes there past the mesh, on the
+    /// way of a leg, or ahead of it, before it could act: contacts do up to a substep ahead.
+    fn passes(&self, facet: &Facet, leg: &Leg) -> bool {
+        let [start, end] = leg.way.map(|center| facet.height(center) - self.radius);
+        let duration = (leg.times[1] - leg.times[0]).max(f64::MIN_POSITIVE);
+        let ahead = (BEYOND * self.motion.pair_motion.ahead - leg.times[0]) / duration;
+        if self.radius == 0.0 || start <= 0.0 || start >= ahead * (start - end) {
+            return false;
+        }
+        let low = leg.way.map(|center| center - self.radius * facet.normal);
+        !self.motion.meets_mesh([low[0], low[0].lerp(low[1], start / (start - end))])
+    }
+
     /// True for a foot on the back of a fold in a sheet, for a ball with its centre before the other
     /// part of it.
     fn is_behind_fold(
@@ -284,7 +297,10 @@ impl MovingPoint<'_> {
                     self.is_behind_fold((triangle, &facet), [center, foot])
                         || !sweep.touches && self.is_hidden(triangle, [center, foot])
                 };
-                if let Some((sweep, foot)) = met.filter(|met| !grazes(met) && !is_hidden(met)) {
+                let met = met.filter(|met| !grazes(met) && !is_hidden(met));
+                if let Some((sweep, foot)) = met
+                    && (sweep.touches || !self.passes(&facet, leg))
+                {
                     meet(sweep, foot, facet.normal, true);
                 }
             }

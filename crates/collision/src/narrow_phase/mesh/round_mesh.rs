@@ -4,7 +4,7 @@
 use crate::narrow_phase::mesh::edge_sweep::{ASIDE, MeshEdge, flush};
 use crate::narrow_phase::mesh::hull_mesh::support;
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, side_of};
-use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
+use crate::narrow_phase::mesh::mesh_motion::{BEYOND, MeshMotion};
 use crate::narrow_phase::mesh::round_motion::RoundMotion;
 use crate::narrow_phase::mesh::triangle_sweep::Facet;
 use crate::narrow_phase::revolved::features::Area;
@@ -39,27 +39,17 @@ pub(crate) fn round_contacts(
     let mut triangles = Vec::new();
     mesh.visit_box(low, high, |triangle| triangles.push(triangle));
     let on_faces = RoundMesh { of: RoundMotion::new(motion, round) };
-    let mut late = Vec::new();
+    let (mut passing, first) = (Vec::new(), contacts.len());
     for &triangle in &triangles {
-        let first = contacts.len();
-        on_faces.face(triangle, contacts);
-        if contacts[first..].iter().any(|contact| contact.time > 0.0) {
-            late.push(triangle);
-        }
+        on_faces.face(triangle, contacts, &mut passing);
     }
     triangles.retain(|&triangle| !mesh.owns_nothing(triangle));
     if triangles.is_empty() {
+        contacts.append(&mut passing);
         return;
     }
-    let is_borne = support(motion, contacts);
+    let _ = support(motion, contacts);
     let on_edges = RoundMesh { of: RoundMotion::new(motion, round) };
-    if is_borne {
-        // Free flight sinks into what bears the body, and meets there what lies behind.
-        contacts.retain(|contact| contact.time == 0.0);
-        for triangle in late {
-            on_edges.face(triangle, contacts);
-        }
-    }
     for &triangle in &triangles {
         for corner in 0..3 {
             if mesh.owns_edge(triangle, corner) {
@@ -69,6 +59,10 @@ pub(crate) fn round_contacts(
                 on_edges.corner(mesh.triangles()[triangle][corner] as usize, contacts);
             }
         }
+    }
+    // What touches anything moves on another way.
+    if contacts[first..].iter().any(|contact| on_edges.of.touches(contact)) {
+        contacts.append(&mut passing);
     }
     if contacts.is_empty() {
         wedged(&on_edges, &triangles, contacts);
@@ -132,8 +126,14 @@ struct Met<'a> {
 }
 
 impl RoundMesh<'_> {
-    /// Contacts with the inside of a triangle, on the side where the body's middle is.
-    fn face(&self, triangle: usize, contacts: &mut Vec<MeshContact>) {
+    /// Contacts with the inside of a triangle, on the side where the body's middle is; apart those
+    /// at points that pass it.
+    fn face(
+        &self,
+        triangle: usize,
+        contacts: &mut Vec<MeshContact>,
+        passing: &mut Vec<MeshContact>,
+    ) {
         let (of, mesh) = (&self.of, self.of.motion.mesh);
         let (mut corners, mut normal) = (mesh.corners(triangle), mesh.normal(triangle));
         if (of.start.middle - corners[0]).dot(normal) < 0.0 {
@@ -153,7 +153,7 @@ impl RoundMesh<'_> {
             instant.on_area(area, found);
             found.retain(|point| {
                 self.is_own(triangle, (&round, touch.time), point)
-                    && self.is_seen(triangle, &round, point)
+                    && self.is_seen(triangle, (&round, touch.time), point)
             });
         });
         let depth = DEPTH * of.motion.pair_motion.size;
@@ -164,21 +164,33 @@ impl RoundMesh<'_> {
                 point.id
             };
             let feature = (Meets::PointOnFace(side_of(normal)), number);
-            contacts.extend(of.contact(point, touch.time, feature));
+            let contact = of.contact(point, touch.time, feature);
+            if self.passes(point, touch.time) {
+                passing.extend(contact);
+            } else {
+                contacts.extend(contact);
+            }
         }
     }
 
     /// False for a point that a sheet hides from the body's middle. One that lies behind its
     /// triangle has come there through a triangle, not past all of them, and in front of one no
     /// other triangle is between.
-    fn is_seen(&self, triangle: usize, round: &PlacedRevolved, point: &RoundPoint) -> bool {
+    fn is_seen(
+        &self,
+        triangle: usize,
+        (round, time): (&PlacedRevolved, f64),
+        point: &RoundPoint,
+    ) -> bool {
         let MeshMotion { mesh, thin, rim, .. } = *self.of.motion;
         if mesh.sides() == Sides::One {
             return true;
         }
         let foot = point.anchors[1].point;
         let is_deep = point.gap() < -rim;
-        let way = [round.middle, if is_deep { point.on_surfaces()[0] } else { foot }];
+        // Free flight sinks into what may bear the body.
+        let middle = round.middle - self.of.sag(time);
+        let way = [middle, if is_deep { point.on_surfaces()[0] } else { foot }];
         let mut is_between = false;
         mesh.visit_way(way, thin, |other| {
             let (corners, mut normal) = (mesh.corners(other), mesh.normal(other));
@@ -190,6 +202,22 @@ impl RoundMesh<'_> {
             is_between |= counts && facet.crossing(way, thin).is_some();
         });
         is_between == is_deep
+    }
+
+    /// True for a point that comes to its triangle's plane past the mesh, before it could act:
+    /// contacts do up to a substep ahead.
+    fn passes(&self, point: &RoundPoint, time: f64) -> bool {
+        let (of, motion) = (&self.of, self.of.motion);
+        let gap = point.gap();
+        let ahead = BEYOND * motion.pair_motion.ahead;
+        if gap <= motion.thin || time >= ahead {
+            return false;
+        }
+        let held = point.anchors[0].point;
+        let way = of.pose(ahead).point(of.pose(time).inverse().point(held)) - held;
+        let closing = -way.dot(point.normal);
+        let on_surface = point.on_surfaces()[0];
+        closing > gap && !motion.meets_mesh([on_surface, on_surface + gap / closing * way])
     }
 
     /// True for a point of the side that is at neither of its ends.

@@ -55,7 +55,7 @@ impl<'a> RoundMotion<'a> {
     }
 
     /// `mesh_from_body` at an instant [s].
-    fn pose(&self, time: f64) -> RigidTransform {
+    pub(crate) fn pose(&self, time: f64) -> RigidTransform {
         let [body, mesh] = [self.motion.body_path(), self.motion.mesh_path()];
         let pose = if time == 0.0 {
             self.motion.start()
@@ -184,6 +184,12 @@ impl<'a> RoundMotion<'a> {
             found[0] = instant.alone(alone);
         }
         found
+    }
+
+    /// True for a contact with surfaces that touch at its time.
+    pub(crate) fn touches(&self, contact: &MeshContact) -> bool {
+        let apart = self.pose(contact.time).point(contact.on_body) - contact.on_mesh;
+        apart.dot(contact.normal) - contact.rounding <= TOUCH * self.thin
     }
 
     /// A point as a contact; `None` for one that cannot touch within the frame.
