@@ -207,14 +207,12 @@ impl RoundMesh<'_> {
     /// True for a point that comes to its triangle's plane past the mesh, before it could act:
     /// contacts do up to a substep ahead.
     fn passes(&self, point: &RoundPoint, time: f64) -> bool {
-        let (of, motion) = (&self.of, self.of.motion);
+        let motion = self.of.motion;
         let gap = point.gap();
-        let ahead = BEYOND * motion.pair_motion.ahead;
-        if gap <= motion.thin || time >= ahead {
+        if gap <= motion.thin || time >= BEYOND * motion.pair_motion.ahead {
             return false;
         }
-        let held = point.anchors[0].point;
-        let way = of.pose(ahead).point(of.pose(time).inverse().point(held)) - held;
+        let way = self.of.way_ahead(point.anchors[0].point, time);
         let closing = -way.dot(point.normal);
         let on_surface = point.on_surfaces()[0];
         closing > gap && !motion.meets_mesh([on_surface, on_surface + gap / closing * way])
@@ -282,7 +280,9 @@ impl RoundMesh<'_> {
         let stands_out =
             |normal: DVec3| normal.dot(edge.along).abs() <= ASIDE && edge.stands_out(normal, ASIDE);
         let Some(mut met) = self.meets(&segment, stands_out) else { return };
-        met.separation.normal = edge.flush(met.separation.normal);
+        if met.of.meet(&met.separation, met.time) {
+            met.separation.normal = edge.flush(met.separation.normal);
+        }
         let (normal, time) = (met.separation.normal, met.time);
         let mesh = self.of.motion.mesh;
         let is_border = mesh.edge_kind(triangle, corner) == EdgeKind::Border;
@@ -303,7 +303,10 @@ impl RoundMesh<'_> {
         };
         let stands_out = |normal: DVec3| is_in_front(normal) && mesh.is_peak(vertex, normal, ASIDE);
         let Some(Met { of, separation, time }) = self.meets(&point, stands_out) else { return };
-        let normal = flush(separation.normal, around());
+        let mut normal = separation.normal;
+        if of.meet(&separation, time) {
+            normal = flush(normal, around());
+        }
         let is_border = around().next().filter(|first| around().all(|n| n.dot(*first) > FLAT));
         if is_border.is_some_and(|outward| self.passes_over(outward, at, (normal, time))) {
             return;
@@ -376,8 +379,10 @@ impl RoundMesh<'_> {
         let (round, partner) = (of.placed(*time), Partner::Revolved(*segment));
         let at = (*separation, *time);
         let points = of.points(&round, &partner, at, |instant, found| instant.points(found));
+        // What passes has no other normals than that of its closest approach.
+        let meets = of.meet(separation, *time);
         let stands_out = |point: &&RoundPoint| {
-            point.normal == separation.normal || edge.stands_out(point.normal, ASIDE)
+            point.normal == separation.normal || meets && edge.stands_out(point.normal, ASIDE)
         };
         for point in points.iter().filter(stands_out) {
             let feature = (Meets::EdgeOnEdge, id + point.id);

@@ -55,7 +55,7 @@ impl<'a> RoundMotion<'a> {
     }
 
     /// `mesh_from_body` at an instant [s].
-    pub(crate) fn pose(&self, time: f64) -> RigidTransform {
+    fn pose(&self, time: f64) -> RigidTransform {
         let [body, mesh] = [self.motion.body_path(), self.motion.mesh_path()];
         let pose = if time == 0.0 {
             self.motion.start()
@@ -186,10 +186,30 @@ impl<'a> RoundMotion<'a> {
         found
     }
 
+    /// Way of an anchor in the mesh's frame from an instant [s] to the last one at which a contact of
+    /// this frame acts [m]: contacts do up to a substep ahead.
+    pub(crate) fn way_ahead(&self, anchor: DVec3, time: f64) -> DVec3 {
+        let ahead = BEYOND * self.motion.pair_motion.ahead;
+        self.pose(ahead).point(self.pose(time).inverse().point(anchor)) - anchor
+    }
+
     /// True for a contact with surfaces that touch at its time.
     pub(crate) fn touches(&self, contact: &MeshContact) -> bool {
-        let apart = self.pose(contact.time).point(contact.on_body) - contact.on_mesh;
-        apart.dot(contact.normal) - contact.rounding <= TOUCH * self.thin
+        let anchor = self.pose(contact.time).point(contact.on_body);
+        let gap = (anchor - contact.on_mesh).dot(contact.normal) - contact.rounding;
+        self.closes((gap, contact.normal), (anchor, contact.time))
+    }
+
+    /// True for surfaces that touch at an instant [s], but for what the search for it leaves; false
+    /// for what passes, if only a little above.
+    pub(crate) fn meet(&self, separation: &Separation, time: f64) -> bool {
+        let Separation { gap, normal, .. } = *separation;
+        self.closes((gap, normal), (self.placed(time).support(-normal), time))
+    }
+
+    fn closes(&self, (gap, normal): (f64, DVec3), (anchor, time): (DVec3, f64)) -> bool {
+        let closes = || -self.way_ahead(anchor, time).dot(normal) >= gap;
+        gap <= self.motion.thin || gap <= TOUCH * self.thin && closes()
     }
 
     /// A point as a contact; `None` for one that cannot touch within the frame.
