@@ -4,9 +4,8 @@
 use crate::narrow_phase::mesh::edge_sweep::{ASIDE, MeshEdge, flush};
 use crate::narrow_phase::mesh::hull_mesh::support;
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, side_of};
-use crate::narrow_phase::mesh::mesh_motion::{BEYOND, MeshMotion};
+use crate::narrow_phase::mesh::mesh_motion::MeshMotion;
 use crate::narrow_phase::mesh::round_motion::RoundMotion;
-use crate::narrow_phase::mesh::triangle_sweep::Facet;
 use crate::narrow_phase::revolved::features::Area;
 use crate::narrow_phase::revolved::partner::Partner;
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
@@ -153,7 +152,7 @@ impl RoundMesh<'_> {
             instant.on_area(area, found);
             found.retain(|point| {
                 self.is_own(triangle, (&round, touch.time), point)
-                    && self.is_seen(triangle, (&round, touch.time), point)
+                    && of.is_seen(triangle, (&round, touch.time), point)
             });
         });
         let depth = DEPTH * of.motion.pair_motion.size;
@@ -165,57 +164,12 @@ impl RoundMesh<'_> {
             };
             let feature = (Meets::PointOnFace(side_of(normal)), number);
             let contact = of.contact(point, touch.time, feature);
-            if self.passes(point, touch.time) {
+            if of.passes(point, touch.time) {
                 passing.extend(contact);
             } else {
                 contacts.extend(contact);
             }
         }
-    }
-
-    /// False for a point that a sheet hides from the body's middle. One that lies behind its
-    /// triangle has come there through a triangle, not past all of them, and in front of one no
-    /// other triangle is between.
-    fn is_seen(
-        &self,
-        triangle: usize,
-        (round, time): (&PlacedRevolved, f64),
-        point: &RoundPoint,
-    ) -> bool {
-        let MeshMotion { mesh, thin, rim, .. } = *self.of.motion;
-        if mesh.sides() == Sides::One {
-            return true;
-        }
-        let foot = point.anchors[1].point;
-        let is_deep = point.gap() < -rim;
-        // Free flight sinks into what may bear the body.
-        let middle = round.middle - self.of.sag(time);
-        let way = [middle, if is_deep { point.on_surfaces()[0] } else { foot }];
-        let mut is_between = false;
-        mesh.visit_way(way, thin, |other| {
-            let (corners, mut normal) = (mesh.corners(other), mesh.normal(other));
-            if normal.dot(way[0] - corners[0]) < 0.0 {
-                normal = -normal;
-            }
-            let facet = Facet { corners, normal };
-            let counts = is_deep || other != triangle && facet.height(foot) < -rim;
-            is_between |= counts && facet.crossing(way, thin).is_some();
-        });
-        is_between == is_deep
-    }
-
-    /// True for a point that comes to its triangle's plane past the mesh, before it could act:
-    /// contacts do up to a substep ahead.
-    fn passes(&self, point: &RoundPoint, time: f64) -> bool {
-        let motion = self.of.motion;
-        let gap = point.gap();
-        if gap <= motion.thin || time >= BEYOND * motion.pair_motion.ahead {
-            return false;
-        }
-        let way = self.of.way_ahead(point.anchors[0].point, time);
-        let closing = -way.dot(point.normal);
-        let on_surface = point.on_surfaces()[0];
-        closing > gap && !motion.meets_mesh([on_surface, on_surface + gap / closing * way])
     }
 
     /// True for a point of the side that is at neither of its ends.
