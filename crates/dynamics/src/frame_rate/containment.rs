@@ -169,7 +169,18 @@ fn meeting(
         }
         None => {
             let is_convex = matches!(shape.geometry, Geometry::ClosedForm(_) | Geometry::Hull(_));
-            first_meeting(&|point| shape.distance_and_gradient(point), is_convex, &way, core)
+            let is_mesh = matches!(shape.geometry, Geometry::Mesh(_));
+            let is_behind = |point| shape.distance_and_gradient(point).0 <= 0.0;
+            if is_mesh && is_behind(way.seen(core.center, 0.0)) {
+                return None;
+            }
+            // What has gone past the border of an open mesh has not gone through it, whichever side
+            // of its rim's planes it is on.
+            let distance = |point| match shape.distance_and_gradient(point) {
+                (distance, outward) if is_mesh && distance < 0.0 => (-distance, -outward),
+                in_front => in_front,
+            };
+            first_meeting(&distance, is_convex, &way, core)
         }
     }?;
     Some(Meeting {

@@ -13,6 +13,10 @@ pub(crate) const ASIDE: f64 = 1e-3;
 /// contact's depth meets the next edge ahead.
 const FLUSH: f64 = 2.5e-3;
 
+/// Distance of a ball's centre from an edge that it touches, relative to its radius [1]: what passes
+/// further away passes along the direction from it, not along a triangle's normal.
+const TOUCH: f64 = 1.0 + 1e-5;
+
 /// The normal of one of some triangles, if a direction hardly differs from it, or else the
 /// direction.
 pub(crate) fn flush(direction: DVec3, normals: impl Iterator<Item = DVec3>) -> DVec3 {
@@ -76,7 +80,8 @@ impl MeshEdge {
     pub(crate) fn sweep(&self, way: [DVec3; 2], radius: f64) -> Option<(Sweep, DVec3, DVec3)> {
         let [from, to] = self.across(way);
         let sweep = sweep_round(from, to, radius);
-        self.met_from(way[0].lerp(way[1], sweep.at)).map(|(foot, normal)| (sweep, foot, normal))
+        self.met_from(way[0].lerp(way[1], sweep.at), radius)
+            .map(|(foot, normal)| (sweep, foot, normal))
     }
 
     /// Where a ball whose centre moves straight comes nearest to the edge: least separation, foot
@@ -85,7 +90,7 @@ impl MeshEdge {
         let [from, to] = self.across(way);
         let at = nearest_part(from, to);
         let least = from.lerp(to, at).length() - radius;
-        self.met_from(way[0].lerp(way[1], at)).map(|(foot, normal)| (least, foot, normal))
+        self.met_from(way[0].lerp(way[1], at), radius).map(|(foot, normal)| (least, foot, normal))
     }
 
     /// Two points relative to the edge's line, at right angles to it.
@@ -96,16 +101,17 @@ impl MeshEdge {
         })
     }
 
-    /// Foot on the edge [m] and the normal of a ball with its centre there; `None` if something
-    /// else is nearer.
-    fn met_from(&self, center: DVec3) -> Option<(DVec3, DVec3)> {
+    /// Foot on the edge [m] and the normal of a ball of `radius` [m] with its centre there; `None`
+    /// if something else is nearer.
+    fn met_from(&self, center: DVec3, radius: f64) -> Option<(DVec3, DVec3)> {
         let part = (center - self.ends[0]).dot(self.along);
         if part < 0.0 || part > self.ends[0].distance(self.ends[1]) {
             return None;
         }
         let foot = self.ends[0] + part * self.along;
         let direction = (center - foot).try_normalize()?;
-        let normal = self.flush(direction);
+        let touches = center.distance(foot) <= TOUCH * radius;
+        let normal = if touches { self.flush(direction) } else { direction };
         self.stands_out(direction, ASIDE).then_some((foot, normal))
     }
 }
@@ -119,7 +125,7 @@ pub(crate) fn sweep_corner(
 ) -> Option<(Sweep, DVec3, DVec3)> {
     let corner = mesh.positions()[vertex];
     let sweep = sweep_round(way[0] - corner, way[1] - corner, radius);
-    let normal = corner_met_from(mesh, vertex, way[0].lerp(way[1], sweep.at))?;
+    let normal = corner_met_from(mesh, vertex, way[0].lerp(way[1], sweep.at), radius)?;
     Some((sweep, corner, normal))
 }
 
@@ -132,17 +138,18 @@ pub(crate) fn nearest_to_corner(
 ) -> Option<(f64, DVec3, DVec3)> {
     let corner = mesh.positions()[vertex];
     let center = way[0].lerp(way[1], nearest_part(way[0] - corner, way[1] - corner));
-    let normal = corner_met_from(mesh, vertex, center)?;
+    let normal = corner_met_from(mesh, vertex, center, radius)?;
     Some((center.distance(corner) - radius, corner, normal))
 }
 
-/// Normal of a ball with its centre there; `None` if something else is nearer.
-fn corner_met_from(mesh: &StaticMesh, vertex: usize, center: DVec3) -> Option<DVec3> {
+/// Normal of a ball of `radius` [m] with its centre there; `None` if something else is nearer.
+fn corner_met_from(mesh: &StaticMesh, vertex: usize, center: DVec3, radius: f64) -> Option<DVec3> {
     let direction = (center - mesh.positions()[vertex]).try_normalize()?;
     // A solid's corner is not met from behind.
     let is_in_front = mesh.sides() == Sides::Two
         || mesh.around(vertex).iter().any(|&t| mesh.normal(t as usize).dot(direction) > 0.0);
     let is_met = is_in_front && mesh.is_peak(vertex, direction, ASIDE);
     let normals = mesh.around(vertex).iter().map(|&triangle| mesh.normal(triangle as usize));
-    is_met.then(|| flush(direction, normals))
+    let touches = center.distance(mesh.positions()[vertex]) <= TOUCH * radius;
+    is_met.then(|| if touches { flush(direction, normals) } else { direction })
 }

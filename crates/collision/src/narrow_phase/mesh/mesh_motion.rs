@@ -1,6 +1,7 @@
 //! Motion of a body in the frame of a mesh.
 
-use crate::narrow_phase::mesh::nearby::Nearby;
+use crate::narrow_phase::mesh::nearby::{NearTriangle, Nearby};
+use crate::narrow_phase::mesh::triangle_sweep::Facet;
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_bodies::{BallisticPath, Pair};
 use frangible_geometry::{Shape, StaticMesh};
@@ -140,6 +141,18 @@ impl<'a> MeshMotion<'a> {
     /// `mesh_from_body` at the frame's start.
     pub(crate) fn start(&self) -> RigidTransform {
         self.instants[0].1
+    }
+
+    /// True if a straight way meets a triangle, or ends at one.
+    pub(crate) fn meets_mesh(&self, way: [DVec3; 2]) -> bool {
+        let Self { mesh, thin, ref nearby, .. } = *self;
+        let way = [way[0], way[1] + thin * (way[1] - way[0]).normalize_or_zero()];
+        let mut meets = false;
+        nearby.visit_way(mesh, way, thin, |&NearTriangle { corners, normal, .. }| {
+            let crosses = |normal| Facet { corners, normal }.crossing(way, thin).is_some();
+            meets |= crosses(normal) || crosses(-normal);
+        });
+        meets
     }
 
     /// A direction in the mesh's frame at an instant [s], in the world.

@@ -207,6 +207,59 @@ impl MovingPoint<'_> {
         })
     }
 
+    /// True for a ball whose nearest point to a triangle's plane comes there past the mesh, on the
+    /// way of a leg, or ahead of it, before it could act: contacts do up to a substep ahead.
+    fn passes(&self, facet: &Facet, leg: &Leg) -> bool {
+        let [start, end] = leg.way.map(|center| facet.height(center) - self.radius);
+        let duration = (leg.times[1] - leg.times[0]).max(f64::MIN_POSITIVE);
+        let ahead = (BEYOND * self.motion.pair_motion.ahead - leg.times[0]) / duration;
+        if self.radius == 0.0 || start <= 0.0 || start >= ahead * (start - end) {
+            return false;
+        }
+        let low = leg.way.map(|center| center - self.radius * facet.normal);
+        !self.motion.meets_mesh([low[0], low[0].lerp(low[1], start / (start - end))])
+    }
+
+    /// True for a foot on the back of a fold in a sheet, for a ball with its centre before the other
+    /// part of it.
+    fn is_behind_fold(
+        &self,
+        (triangle, facet): (usize, &Facet),
+        [center, foot]: [DVec3; 2],
+    ) -> bool {
+        let MeshMotion { mesh, rim, .. } = *self.motion;
+        if self.radius == 0.0 || mesh.sides() == Sides::One || mesh.owns_nothing(triangle) {
+            return false;
+        }
+        let turn = facet.normal.dot(mesh.normal(triangle)).signum();
+        (0..3).any(|corner| {
+            let (from, to) = (facet.corners[corner], facet.corners[(corner + 1) % 3]);
+            let inward = turn * facet.normal.cross(to - from);
+            let Some(next) = mesh.neighbour_normal(triangle, corner) else { return false };
+            let next = -turn * next;
+            inward.dot(foot - from) <= rim * (to - from).length()
+                && next.dot(inward) < 0.0
+                && next.dot(facet.normal) < STEEP
+                && next.dot(center - from) > 0.0
+        })
+    }
+
+    /// True for a foot on a sheet's triangle that another triangle hides from a ball's centre.
+    fn is_hidden(&self, triangle: usize, way: [DVec3; 2]) -> bool {
+        let MeshMotion { mesh, thin, rim, ref nearby, .. } = *self.motion;
+        if self.radius == 0.0 || mesh.sides() == Sides::One {
+            return false;
+        }
+        let mut is_between = false;
+        nearby.visit_way(mesh, way, thin, |other| {
+            let facet = self.facet(other, way[0]);
+            is_between |= other.index != triangle
+                && facet.height(way[1]) < -rim
+                && facet.crossing(way, thin).is_some();
+        });
+        is_between
+    }
+
     /// Appends what a leg meets. `start` is where the way began outside of the mesh; on the first
     /// leg the point may overlap the mesh already.
     fn meetings(&self, leg: &Leg, (start, is_first): (DVec3, bool), found: &mut Vec<Meeting>) {
@@ -239,7 +292,15 @@ impl MovingPoint<'_> {
                     };
                     self.grazes(near, &facet, [foot, foot - sag])
                 };
-                if let Some((sweep, foot)) = met.filter(|met| !grazes(met)) {
+                let is_hidden = |&(sweep, foot): &(Sweep, DVec3)| {
+                    let center = foot + (sweep.least + self.radius) * facet.normal;
+                    self.is_behind_fold((triangle, &facet), [center, foot])
+                        || !sweep.touches && self.is_hidden(triangle, [center, foot])
+                };
+                let met = met.filter(|met| !grazes(met) && !is_hidden(met));
+                if let Some((sweep, foot)) = met
+                    && (sweep.touches || !self.passes(&facet, leg))
+                {
                     meet(sweep, foot, facet.normal, true);
                 }
             }

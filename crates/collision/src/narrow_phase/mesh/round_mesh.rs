@@ -38,11 +38,13 @@ pub(crate) fn round_contacts(
     let mut triangles = Vec::new();
     mesh.visit_box(low, high, |triangle| triangles.push(triangle));
     let on_faces = RoundMesh { of: RoundMotion::new(motion, round) };
+    let (mut passing, first) = (Vec::new(), contacts.len());
     for &triangle in &triangles {
-        on_faces.face(triangle, contacts);
+        on_faces.face(triangle, contacts, &mut passing);
     }
     triangles.retain(|&triangle| !mesh.owns_nothing(triangle));
     if triangles.is_empty() {
+        contacts.append(&mut passing);
         return;
     }
     let _ = support(motion, contacts);
@@ -56,6 +58,10 @@ pub(crate) fn round_contacts(
                 on_edges.corner(mesh.triangles()[triangle][corner] as usize, contacts);
             }
         }
+    }
+    // What touches anything moves on another way.
+    if contacts[first..].iter().any(|contact| on_edges.of.touches(contact)) {
+        contacts.append(&mut passing);
     }
     if contacts.is_empty() {
         wedged(&on_edges, &triangles, contacts);
@@ -119,8 +125,14 @@ struct Met<'a> {
 }
 
 impl RoundMesh<'_> {
-    /// Contacts with the inside of a triangle, on the side where the body's middle is.
-    fn face(&self, triangle: usize, contacts: &mut Vec<MeshContact>) {
+    /// Contacts with the inside of a triangle, on the side where the body's middle is; apart those
+    /// at points that pass it.
+    fn face(
+        &self,
+        triangle: usize,
+        contacts: &mut Vec<MeshContact>,
+        passing: &mut Vec<MeshContact>,
+    ) {
         let (of, mesh) = (&self.of, self.of.motion.mesh);
         let (mut corners, mut normal) = (mesh.corners(triangle), mesh.normal(triangle));
         if (of.start.middle - corners[0]).dot(normal) < 0.0 {
@@ -138,7 +150,10 @@ impl RoundMesh<'_> {
         let area = Area::Triangle(corners, plane);
         let points = of.points(&round, &partner, (separation, touch.time), |instant, found| {
             instant.on_area(area, found);
-            found.retain(|point| self.is_own(triangle, (&round, touch.time), point));
+            found.retain(|point| {
+                self.is_own(triangle, (&round, touch.time), point)
+                    && of.is_seen(triangle, (&round, touch.time), point)
+            });
         });
         let depth = DEPTH * of.motion.pair_motion.size;
         for point in points.iter().filter(|point| point.gap() >= -depth) {
@@ -148,7 +163,12 @@ impl RoundMesh<'_> {
                 point.id
             };
             let feature = (Meets::PointOnFace(side_of(normal)), number);
-            contacts.extend(of.contact(point, touch.time, feature));
+            let contact = of.contact(point, touch.time, feature);
+            if of.passes(point, touch.time) {
+                passing.extend(contact);
+            } else {
+                contacts.extend(contact);
+            }
         }
     }
 
@@ -174,11 +194,21 @@ impl RoundMesh<'_> {
         let is_cut = self.is_cut(round, point);
         let turn = point.normal.dot(mesh.normal(triangle)).signum();
         let sag = self.of.sag(time);
-        let is_over = |corner: usize| {
+        // A sheet bears a body on either of its sides.
+        let fronts: &[f64] = if mesh.sides() == Sides::Two { &[1.0, -1.0] } else { &[turn] };
+        let is_over = |corner: usize, inward: DVec3| {
             let Some(next) = mesh.neighbour_normal(triangle, corner) else { return false };
-            let next = turn * next;
-            let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
-            next.dot(point.normal) < STEEP && gap.max(gap - sag.dot(next)) >= -rim
+            fronts.iter().any(|&front| {
+                let next = front * next;
+                // Only an edge that stands out has a rim.
+                if next.dot(point.normal) >= STEEP || next.dot(inward) >= 0.0 {
+                    return false;
+                }
+                let gap = -round.reach(-next) - round.rounding - next.dot(corners[corner]);
+                // The back of a fold is not met from before the other part of it.
+                let is_behind = front != turn && next.dot(round.middle - corners[corner]) > 0.0;
+                is_behind || gap.max(gap - sag.dot(next)) >= -rim
+            })
         };
         (0..3).all(|corner| {
             let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
@@ -186,8 +216,11 @@ impl RoundMesh<'_> {
             let off = inward.dot(foot - from);
             match mesh.edge_kind(triangle, corner) {
                 EdgeKind::Flat => !is_cut || off.abs() > thin,
-                EdgeKind::Border | EdgeKind::Concave => true,
-                EdgeKind::Convex => off.min(off - sag.dot(inward)) > rim || !is_over(corner),
+                EdgeKind::Border => true,
+                EdgeKind::Concave if mesh.sides() == Sides::One => true,
+                EdgeKind::Concave | EdgeKind::Convex => {
+                    off.min(off - sag.dot(inward)) > rim || !is_over(corner, inward)
+                }
             }
         })
     }
@@ -201,7 +234,9 @@ impl RoundMesh<'_> {
         let stands_out =
             |normal: DVec3| normal.dot(edge.along).abs() <= ASIDE && edge.stands_out(normal, ASIDE);
         let Some(mut met) = self.meets(&segment, stands_out) else { return };
-        met.separation.normal = edge.flush(met.separation.normal);
+        if met.of.meet(&met.separation, met.time) {
+            met.separation.normal = edge.flush(met.separation.normal);
+        }
         let (normal, time) = (met.separation.normal, met.time);
         let mesh = self.of.motion.mesh;
         let is_border = mesh.edge_kind(triangle, corner) == EdgeKind::Border;
@@ -222,7 +257,10 @@ impl RoundMesh<'_> {
         };
         let stands_out = |normal: DVec3| is_in_front(normal) && mesh.is_peak(vertex, normal, ASIDE);
         let Some(Met { of, separation, time }) = self.meets(&point, stands_out) else { return };
-        let normal = flush(separation.normal, around());
+        let mut normal = separation.normal;
+        if of.meet(&separation, time) {
+            normal = flush(normal, around());
+        }
         let is_border = around().next().filter(|first| around().all(|n| n.dot(*first) > FLAT));
         if is_border.is_some_and(|outward| self.passes_over(outward, at, (normal, time))) {
             return;
@@ -295,8 +333,10 @@ impl RoundMesh<'_> {
         let (round, partner) = (of.placed(*time), Partner::Revolved(*segment));
         let at = (*separation, *time);
         let points = of.points(&round, &partner, at, |instant, found| instant.points(found));
+        // What passes has no other normals than that of its closest approach.
+        let meets = of.meet(separation, *time);
         let stands_out = |point: &&RoundPoint| {
-            point.normal == separation.normal || edge.stands_out(point.normal, ASIDE)
+            point.normal == separation.normal || meets && edge.stands_out(point.normal, ASIDE)
         };
         for point in points.iter().filter(stands_out) {
             let feature = (Meets::EdgeOnEdge, id + point.id);

@@ -3,6 +3,7 @@
 use crate::narrow_phase::hull_hull::hull_pair::PREFERENCE;
 use crate::narrow_phase::mesh::mesh_contact::{Meets, MeshContact, feature_of};
 use crate::narrow_phase::mesh::mesh_motion::{BEYOND, MeshMotion};
+use crate::narrow_phase::mesh::triangle_sweep::Facet;
 use crate::narrow_phase::revolved::contact::{THIN, TOUCH};
 use crate::narrow_phase::revolved::first_touch::{Apart, Meeting};
 use crate::narrow_phase::revolved::partner::Partner;
@@ -10,7 +11,7 @@ use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use crate::narrow_phase::revolved::points::Instant;
 use crate::narrow_phase::revolved::round_point::RoundPoint;
 use crate::narrow_phase::revolved::separation::{Separation, flat_separation, quick_separation};
-use frangible_geometry::Revolved;
+use frangible_geometry::{Revolved, Sides};
 use frangible_math::RigidTransform;
 use glam::DVec3;
 
@@ -184,6 +185,77 @@ impl<'a> RoundMotion<'a> {
             found[0] = instant.alone(alone);
         }
         found
+    }
+
+    /// Way of an anchor in the mesh's frame from an instant [s] to the last one at which a contact of
+    /// this frame acts [m]: contacts do up to a substep ahead.
+    pub(crate) fn way_ahead(&self, anchor: DVec3, time: f64) -> DVec3 {
+        let ahead = BEYOND * self.motion.pair_motion.ahead;
+        self.pose(ahead).point(self.pose(time).inverse().point(anchor)) - anchor
+    }
+
+    /// True for a contact with surfaces that touch at its time.
+    pub(crate) fn touches(&self, contact: &MeshContact) -> bool {
+        let anchor = self.pose(contact.time).point(contact.on_body);
+        let gap = (anchor - contact.on_mesh).dot(contact.normal) - contact.rounding;
+        self.closes((gap, contact.normal), (anchor, contact.time))
+    }
+
+    /// True for surfaces that touch at an instant [s], but for what the search for it leaves; false
+    /// for what passes, if only a little above.
+    pub(crate) fn meet(&self, separation: &Separation, time: f64) -> bool {
+        let Separation { gap, normal, .. } = *separation;
+        self.closes((gap, normal), (self.placed(time).support(-normal), time))
+    }
+
+    fn closes(&self, (gap, normal): (f64, DVec3), (anchor, time): (DVec3, f64)) -> bool {
+        let closes = || -self.way_ahead(anchor, time).dot(normal) >= gap;
+        gap <= self.motion.thin || gap <= TOUCH * self.thin && closes()
+    }
+
+    /// False for a point that a sheet hides from the body's middle. One that lies behind its
+    /// triangle has come there through a triangle, not past all of them, and in front of one no
+    /// other triangle is between.
+    pub(crate) fn is_seen(
+        &self,
+        triangle: usize,
+        (round, time): (&PlacedRevolved, f64),
+        point: &RoundPoint,
+    ) -> bool {
+        let MeshMotion { mesh, thin, rim, .. } = *self.motion;
+        if mesh.sides() == Sides::One {
+            return true;
+        }
+        let foot = point.anchors[1].point;
+        let is_deep = point.gap() < -rim;
+        // Free flight sinks into what may bear the body.
+        let middle = round.middle - self.sag(time);
+        let way = [middle, if is_deep { point.on_surfaces()[0] } else { foot }];
+        let mut is_between = false;
+        mesh.visit_way(way, thin, |other| {
+            let (corners, mut normal) = (mesh.corners(other), mesh.normal(other));
+            if normal.dot(way[0] - corners[0]) < 0.0 {
+                normal = -normal;
+            }
+            let facet = Facet { corners, normal };
+            let counts = is_deep || other != triangle && facet.height(foot) < -rim;
+            is_between |= counts && facet.crossing(way, thin).is_some();
+        });
+        is_between == is_deep
+    }
+
+    /// True for a point that comes to its triangle's plane past the mesh, before it could act:
+    /// contacts do up to a substep ahead.
+    pub(crate) fn passes(&self, point: &RoundPoint, time: f64) -> bool {
+        let motion = self.motion;
+        let gap = point.gap();
+        if gap <= motion.thin || time >= BEYOND * motion.pair_motion.ahead {
+            return false;
+        }
+        let way = self.way_ahead(point.anchors[0].point, time);
+        let closing = -way.dot(point.normal);
+        let on_surface = point.on_surfaces()[0];
+        closing > gap && !motion.meets_mesh([on_surface, on_surface + gap / closing * way])
     }
 
     /// A point as a contact; `None` for one that cannot touch within the frame.
