@@ -59,7 +59,7 @@ fn distance_to_origin(face: &Face) -> f64 {
     face.sides().map(of_side).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// As the origin sees a face, positive from behind [vanOosterom83].
+/// As the origin sees a face, positive from behind [VS83].
 fn solid_angle(face: &Face) -> f64 {
     let [a, b, c] = face.corners;
     let [x, y, z] = [a.length(), b.length(), c.length()];
