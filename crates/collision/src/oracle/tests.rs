@@ -208,6 +208,13 @@ fn what_the_narrow_phase_missed_it_finds() {
         ([Hull, Hull], 9_019_726),
         // An edge of a sliver, taken as overlapping its face.
         ([Box, Hull], 9_003_370),
+        // Touching, and the search for closest points ended on a corner that it knew.
+        ([Box, Cone], 20_088_148),
+        ([Box, Cone], 20_773_678),
+        // The least overlap in another valley than the six best of 160 directions.
+        ([Cone, Cone], 20_009_781),
+        ([Cone, Cone], 20_019_448),
+        ([Cylinder, Cone], 20_018_488),
         // The oracle itself: a centre on a capsule's axis, and a rim on an edge.
         ([Ball, Capsule], 9_005_266),
         ([Box, Cone], 9_009_301),

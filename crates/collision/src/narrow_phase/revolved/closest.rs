@@ -111,10 +111,12 @@ pub(crate) fn closest(
     }
     let (least, simplex, way) = best;
     let is_proved = least > 0.0;
-    let distance = way.length();
+    let length = way.length();
+    // Where rounding has ended the search far too early the way separates less than its length.
+    let distance = if length - least > NEARLY * size { least } else { length };
     let touching = if is_proved { TOUCHING } else { NEARLY };
     if distance <= touching * size {
         return None;
     }
-    Some(Closest { distance, normal: way / distance, on: simplex.on_bodies() })
+    Some(Closest { distance, normal: way / length, on: simplex.on_bodies() })
 }
