@@ -189,8 +189,8 @@ fn friction_of_an_impact_acts_at_the_surface() {
 /// mu (1 + e) v of its slip, and of its spin about the vertical what this impulse gives at its
 /// corners. Other bodies lose the same on all grounds, within the share of a corner that four points
 /// of a tile leave out; uneven prisms do within a sixth, as their corners' shares are not unique.
-/// Impacts did not resist twisting at all: bodies
-/// kept their spin on what they bounce off, and on seams.
+/// Impacts did not resist twisting at all: bodies kept their spin on what they bounce off, and on
+/// seams.
 #[test]
 fn impacts_resist_twisting() {
     const FRICTION: f64 = 0.02;
