@@ -18,6 +18,7 @@ mod joint_lanes;
 mod kernels;
 mod lane_bodies;
 mod meeting;
+mod outline;
 mod restitution;
 mod sides;
 mod slabs;

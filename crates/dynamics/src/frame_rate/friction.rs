@@ -67,18 +67,25 @@ impl<I: Instructions> ContactBatch<I> {
         self.friction_work = self.friction_work + force.dot(sides.velocity_at(centers));
     }
 
-    /// Friction of an impact with normal `impulses` and their `sum`, and the slip before it along
-    /// both tangents.
+    /// Friction of an impact with normal `impulses`, their `sum` and their `twist_arm`: along both
+    /// tangents and about the normal, with the slip before it.
     #[inline(always)]
     pub(super) fn rub_impact(
         &self,
         sides: &mut Sides<I>,
         at: &[LaneDisplacements<I>; 2],
-        (sum, impulses): (Single<I>, &[Single<I>; MOST_POINTS]),
-    ) -> ([Single<I>; 2], [Single<I>; 2]) {
-        let zero = Single::ZERO;
+        (sum, impulses, twist_arm): (Single<I>, &[Single<I>; MOST_POINTS], Single<I>),
+    ) -> ([Single<I>; 3], [Single<I>; 3]) {
+        let (zero, n) = (Single::ZERO, self.normal);
+        let turns = [sides.inertia[0] * n, sides.inertia[1] * n];
+        let spin = n.dot(sides.of[1].angular - sides.of[0].angular);
+        let most = self.friction_coefficient * twist_arm + self.spinning_friction * sum;
+        let twist = (-(reciprocal((turns[0] + turns[1]).dot(n)) * spin)).min(most).max(-most);
+        sides.of[0].angular = sides.of[0].angular - turns[0] * twist;
+        sides.of[1].angular = sides.of[1].angular + turns[1] * twist;
+
         let centers = self.impact_centers(at, (sum, impulses));
-        let tangents = [self.tangent, self.normal.cross(self.tangent)];
+        let tangents = [self.tangent, n.cross(self.tangent)];
         let slip = sides.velocity_at(centers);
         let slip = [slip.dot(tangents[0]), slip.dot(tangents[1])];
         let most = self.friction_coefficient * sum;
@@ -86,9 +93,9 @@ impl<I: Instructions> ContactBatch<I> {
         let friction = within_cone([zero; 2], mass, slip, most);
         let rubs = sum.above(zero);
         let friction = [rubs.select(friction[0], zero), rubs.select(friction[1], zero)];
-        let friction = sides.rub(friction, slip, tangents, centers);
-        sides.push_at(centers, tangents[0] * friction[0] + tangents[1] * friction[1]);
-        (friction, slip)
+        let [along, across] = sides.rub(friction, slip, tangents, centers);
+        sides.push_at(centers, tangents[0] * along + tangents[1] * across);
+        ([along, across, twist], [slip[0], slip[1], spin])
     }
 
     /// Points at which friction of an impact acts, from the bodies' centres [m]: where its normal
@@ -113,18 +120,21 @@ impl<I: Instructions> ContactBatch<I> {
         centers
     }
 
-    /// Books an impact's normal impulse, and friction along both tangents with the slip before it.
+    /// Books an impact's normal impulse, and its friction along both tangents and about the normal
+    /// with the slip before it.
     #[inline(always)]
     pub(super) fn book_impact(
         &mut self,
         sum: Single<I>,
-        friction: [Single<I>; 2],
-        slip: [Single<I>; 2],
+        friction: [Single<I>; 3],
+        slip: [Single<I>; 3],
     ) {
         self.acted = self.acted.or(sum.above(Single::ZERO));
         self.frame_impulse[0] = self.frame_impulse[0] + sum;
         for k in 0..2 {
             self.frame_impulse[k + 1] = self.frame_impulse[k + 1] + friction[k];
+        }
+        for k in 0..3 {
             self.friction_work = self.friction_work + friction[k] * slip[k] * Single::same(0.5);
         }
     }

@@ -7,12 +7,13 @@ use super::contact_batch::ContactBatch;
 use super::joint_friction::rub_jointly;
 use super::joint_lanes::{FIXED, Member, inverses, partner};
 use super::meeting::Meeting;
+use super::outline::corners;
 use super::solver_bodies::{SPINS, SolverBodies, SolverBody, symmetric};
 use super::substep::Substep;
 use super::timeline::{BatchLines, Timeline};
 use super::touching::{Place, Touching};
 use frangible_math::{Instructions, LANES, Mask, Singles};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// Maximum number of Gauss-Seidel sweeps over the points of a joint impact.
 const SWEEPS: usize = 200;
@@ -108,7 +109,7 @@ impl JointImpact {
             });
         }
         if self.points.last().is_some_and(|point| point.member == member) {
-            self.members.push(Member { place, side, impulses: [0.0; MOST_POINTS] });
+            self.members.push(Member { place, side, impulses: [0.0; MOST_POINTS], twist_arm: 0.0 });
         }
     }
 
@@ -123,14 +124,21 @@ impl JointImpact {
     ) -> Vec<(usize, f32)> {
         let movable: Vec<usize> = self.lines.into_iter().filter(|&line| line != FIXED).collect();
         let before: Vec<SolverBody> = movable.iter().map(|&line| bodies.lines[line]).collect();
+        self.keep_corners();
         self.solve(bodies);
-        let (mut sum, mut when) = (0.0, 0.0);
+        let (mut sum, mut when, mut moment) = (0.0, 0.0, DVec3::ZERO);
         for point in &self.points {
             sum += point.impulse;
             when += point.impulse * point.time;
-            self.members[point.member].impulses[point.number] = point.impulse;
+            moment += point.impulse * point.moments[0];
         }
-        let when = if sum > 0.0 { (when / sum) as f32 } else { 0.0 };
+        let share = if sum > 0.0 { 1.0 / sum } else { 0.0 };
+        let when = (share * when) as f32;
+        for point in &self.points {
+            let member = &mut self.members[point.member];
+            member.impulses[point.number] = point.impulse;
+            member.twist_arm += point.impulse * (point.moments[0] - share * moment).length();
+        }
         for (side, &line) in movable.iter().enumerate() {
             self.push(&mut bodies.lines[line], &bodies.inverse_inertias[line], side);
         }
@@ -147,6 +155,21 @@ impl JointImpact {
             (line, bodies.lines[line].end_impact(before, when, h))
         };
         movable.iter().zip(&before).map(change).collect()
+    }
+
+    /// Leaves out the points between others, whose velocities follow from those: the impulses then
+    /// act where they do on a single body, and resist twisting as much.
+    fn keep_corners(&mut self) {
+        let [along, across] = {
+            let normal = self.points[0].normal;
+            let along = normal.any_orthonormal_vector();
+            [along, normal.cross(along)]
+        };
+        let flat = |point: &JointPoint| {
+            DVec2::new(point.moments[0].dot(along), point.moments[0].dot(across))
+        };
+        let mut is_corner = corners(&self.points.iter().map(flat).collect::<Vec<_>>()).into_iter();
+        self.points.retain(|_| is_corner.next().unwrap_or(true));
     }
 
     /// Impulses of all points towards their targets, never negative.

@@ -59,4 +59,7 @@ pub(super) struct Member {
     pub(super) side: usize,
     /// Normal impulses of its points [N s].
     pub(super) impulses: [f64; MOST_POINTS],
+    /// Sum of these, times the distances from where the normal impulse of the joint impact acts
+    /// [N s m].
+    pub(super) twist_arm: f64,
 }

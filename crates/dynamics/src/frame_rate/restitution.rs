@@ -182,17 +182,24 @@ impl<I: Instructions> ContactBatch<I> {
             lost = lost - impulses[i] * approach[i];
         }
         let scale = shortened(sides.work_of(sum, moments), lost + lost);
+        let share = reciprocal(sum);
+        let middle = [moments[0] * share, moments[1] * share];
         let sum = sum * scale;
-        for impulse in &mut impulses {
-            *impulse = *impulse * scale;
+        let mut twist_arm = zero;
+        for i in 0..self.point_count {
+            impulses[i] = impulses[i] * scale;
+            // The nearer center has the smaller rounding error.
+            let [a, b] = [0, 1].map(|side| arms[i][side] - middle[side]);
+            twist_arm = twist_arm + impulses[i] * a.dot(a).min(b.dot(b)).sqrt();
         }
         let before = sides.of;
         sides.push(n, sum, [moments[0] * scale, moments[1] * scale]);
 
-        let (friction, slip) = self.rub_impact(&mut sides, &at, (sum, &impulses));
+        let acting = (sum, &impulses, twist_arm);
+        let (friction, slip) = self.rub_impact(&mut sides, &at, acting);
         self.book_impact(sum, friction, slip);
         if self.has_driven() {
-            self.note_driven_work(lines, impulses, friction, zero);
+            self.note_driven_work(lines, impulses, [friction[0], friction[1]], friction[2]);
         }
         self.store(&sides, lines);
 
