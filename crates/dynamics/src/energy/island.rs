@@ -34,6 +34,8 @@ pub(crate) struct Island {
     pub(crate) anchor: Anchor,
     /// Work of penetration recovery that may remain [J].
     pub(crate) recovered: f64,
+    /// Its pairs with such work, indices into [`FrameAccounts`]'s list.
+    pub(crate) recoveries: Vec<usize>,
     /// Allowed energy at the end of the frame, without the bank [J].
     pub(crate) allowance: f64,
     /// [J]
