@@ -56,7 +56,7 @@ pub struct Energy {
     /// Their sum.
     pub total: f64,
     /// Work of kinematic bodies in this frame and of the caller's hand, plus the work of
-    /// penetration recovery, which is bounded by overlap depth and `recovery_speed`.
+    /// penetration recovery, which is at most the potential energy by which bodies rose.
     pub work: f64,
     /// Growth of the ledger's banks in this frame: dissipated energy available for reuse.
     pub banked: f64,

@@ -8,7 +8,7 @@
 )]
 
 use frangible::{
-    BodyDesc, Method, PartDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
+    BodyDesc, Energy, Method, PartDesc, Resolution, SceneDesc, ShapeDesc, StepReport, World, step,
 };
 use frangible_bodies::{Pose, Velocity};
 use glam::{DQuat, DVec3};
@@ -245,6 +245,59 @@ fn what_lies_deep_in_a_corner_comes_out() {
     let overlap = world.penetrations().into_iter().fold(0.0, f64::max);
     assert!(overlap < 5e-4, "{overlap} m");
     assert!(world.bodies().velocities[1].linear.length() < 0.3);
+}
+
+/// Random numbers in -1..1, from a linear congruential generator.
+fn draw(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+/// Pairs of compounds that start at rest, deep in each other, without gravity: what jams leaves the
+/// overlap without energy, too.
+#[test]
+fn overlaps_give_no_energy() {
+    let angle = vec![
+        part([0.757, 0.0757, 0.0757], [0.0; 3]),
+        part([0.0757, 0.0757, 0.757], [0.378, 0.0, 0.378]),
+    ];
+    let leg = |x: f64| part([0.157, 0.551, 0.315], [x, 0.354, 0.0]);
+    let fork = vec![part([0.787, 0.157, 0.315], [0.0; 3]), leg(-0.315), leg(0.315)];
+    let shape = |parts: &Vec<PartDesc>| ShapeDesc::Compound {
+        parts: parts.clone(),
+        resolution: Resolution::default(),
+    };
+    // Two legs of one jam in the other.
+    let jam = ([-0.155, -0.190, -0.022], [1.316, 0.218, -0.764, -1.340]);
+    let mut state = 7;
+    let drawn = (0..60).map(|_| {
+        let at = [0.0; 3].map(|_| 0.3 * draw(&mut state));
+        (at, [0.0; 4].map(|_| draw(&mut state)))
+    });
+    let poses: Vec<_> = std::iter::once(jam).chain(drawn).collect();
+    let (mut overlaps, mut stay) = (0, 0);
+    for (position, orientation) in poses {
+        let restitution = 0.0;
+        let first = BodyDesc {
+            position,
+            orientation,
+            restitution,
+            ..BodyDesc::new("angle", shape(&angle))
+        };
+        let second = BodyDesc { restitution, ..BodyDesc::new("fork", shape(&fork)) };
+        let mut scene = SceneDesc::new("overlaps");
+        (scene.gravity, scene.frames_per_second) = ([0.0; 3], 24.0);
+        scene.bodies = vec![first, second];
+        let deepest = |world: &World| world.penetrations().into_iter().fold(0.0, f64::max);
+        let is_deep = deepest(&World::build(&scene).unwrap()) > 0.01;
+        let world = run(&scene, 24, |_, report| {
+            let Energy { kinetic, .. } = report.energy;
+            assert!(kinetic < 1e-9, "{position:?} {orientation:?}: {kinetic} J");
+        });
+        overlaps += u32::from(is_deep);
+        stay += u32::from(deepest(&world) > 0.01);
+    }
+    assert!(overlaps > 30 && stay <= 3, "{stay} of {overlaps} overlaps stay");
 }
 
 /// Tables on tables come to rest: their feet bear on the same corners in every frame.

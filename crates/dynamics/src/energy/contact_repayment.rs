@@ -1,11 +1,11 @@
-//! Repayment: a contact with an energy gain repays it from its pair's relative velocity, before the
-//! island must.
+//! Repayment: a contact with an energy gain repays it from its pair's relative velocity, and a pair
+//! what penetration recovery gave it, before the island must.
 
-use crate::energy::frame_accounts::{EnergyGain, FrameAccounts};
+use crate::energy::frame_accounts::{EnergyGain, FrameAccounts, lighter_first};
 use crate::energy::island::Anchor;
 use crate::energy::island_correction::RelativeMotion;
 use crate::impulse::pair_impulse::{Approach, PairImpulse, approach_at, pair_contact_matrix};
-use frangible_bodies::{Bodies, Frame, Motion, Pair};
+use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pair};
 use frangible_collision::ContactPoint;
 use glam::DVec3;
 
@@ -29,6 +29,23 @@ pub(crate) fn repay(
     }
 }
 
+/// Takes `excess` [J] from pairs in proportion to the work that penetration recovery did on them,
+/// `recovered` [J], each limited by that and by the energy of its relative motion.
+pub(crate) fn return_recovered(
+    bodies: &mut Bodies,
+    recovered: &[([BodyId; 2], f64)],
+    excess: f64,
+    accounts: &mut FrameAccounts,
+) {
+    let given = recovered.iter().filter(|(_, energy)| *energy > 0.0);
+    let owed: f64 = given.clone().map(|(_, energy)| energy).sum();
+    let part = (excess / owed).min(1.0);
+    for &(ids, energy) in given {
+        let Some(both) = lighter_first(bodies, ids) else { continue };
+        PairMotion::of(bodies, both).lose(bodies, part * energy, accounts);
+    }
+}
+
 /// Slows pairs whose contact gave more than the lighter body's bank cap, until the relative motion
 /// is at the cap. The reduction is limited by the contact's gain, by the net gain of all contacts
 /// of the lighter body, and by the body's gain in the frame, `gained` [J] per body. Without it a
@@ -48,25 +65,48 @@ pub(crate) fn cap_ejection(
         if gave <= most || !may_move_with(bodies, [lighter, heavier], most) {
             continue;
         }
-        let (both, is_carried) = ([lighter, heavier], bodies.inertias[heavier].is_infinite());
-        let (members, anchor) = match is_carried {
-            false => (&both[..], Anchor::Free),
-            true => (&both[..1], Anchor::of(bodies, heavier)),
-        };
-        let motion = RelativeMotion::of(bodies, members, anchor);
-        let over = motion.energy - most;
+        let pair = PairMotion::of(bodies, [lighter, heavier]);
+        let over = pair.motion.energy - most;
         if over > 0.0 {
             let paid = over.min(gave);
-            motion.lose(bodies, members, paid);
-            if is_carried {
-                let change = motion.change(bodies, members);
-                accounts.book_outside(bodies, both, change, motion.work(change));
-            }
+            pair.lose(bodies, paid, accounts);
             gain.energy -= paid;
             any = true;
         }
     }
     any
+}
+
+/// Relative motion of a pair, whose heavier body may be fixed.
+struct PairMotion {
+    /// The lighter body first.
+    both: [usize; 2],
+    is_carried: bool,
+    motion: RelativeMotion,
+}
+
+impl PairMotion {
+    fn of(bodies: &Bodies, both: [usize; 2]) -> Self {
+        let is_carried = bodies.inertias[both[1]].is_infinite();
+        let anchor = if is_carried { Anchor::of(bodies, both[1]) } else { Anchor::Free };
+        let members = &both[..if is_carried { 1 } else { 2 }];
+        Self { both, is_carried, motion: RelativeMotion::of(bodies, members, anchor) }
+    }
+
+    /// Reduces the relative energy by `energy` [J], at most to zero.
+    fn lose(&self, bodies: &mut Bodies, energy: f64, accounts: &mut FrameAccounts) {
+        let Self { both, is_carried, motion } = self;
+        let paid = energy.min(motion.energy);
+        if paid <= 0.0 {
+            return;
+        }
+        let members = &both[..if *is_carried { 1 } else { 2 }];
+        motion.lose(bodies, members, paid);
+        if *is_carried {
+            let change = motion.change(bodies, members);
+            accounts.book_outside(bodies, *both, change, motion.work(change));
+        }
+    }
 }
 
 /// True if an upper bound of a pair's relative kinetic energy exceeds `most` [J]: the lighter
@@ -137,7 +177,7 @@ fn stopping_impulse(bodies: &Bodies, pair: Pair, point: DVec3) -> (Approach, DVe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_bodies::{BodyId, NewBody, Pose, StepSettings, SurfaceProperties, Velocity};
+    use frangible_bodies::{NewBody, Pose, StepSettings, SurfaceProperties, Velocity};
     use frangible_geometry::{ClosedForm, Shape};
     use glam::DQuat;
     use std::sync::Arc;

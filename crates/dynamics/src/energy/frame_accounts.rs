@@ -111,12 +111,17 @@ pub struct EnergyGain {
 impl EnergyGain {
     /// Its lighter body, then its heavier one, if both live.
     pub(crate) fn by_weight(&self, bodies: &Bodies) -> Option<[usize; 2]> {
-        let [Some(first), Some(second)] = self.ids.map(|id| bodies.index_of(id)) else {
-            return None;
-        };
-        let [a, b] = [first, second].map(|i| bodies.inertias[i].inverse_mass);
-        Some(if a >= b { [first, second] } else { [second, first] })
+        lighter_first(bodies, self.ids)
     }
+}
+
+/// The lighter body of a pair, then its heavier one, if both live.
+pub(crate) fn lighter_first(bodies: &Bodies, ids: [BodyId; 2]) -> Option<[usize; 2]> {
+    let [Some(first), Some(second)] = ids.map(|id| bodies.index_of(id)) else {
+        return None;
+    };
+    let [a, b] = [first, second].map(|i| bodies.inertias[i].inverse_mass);
+    Some(if a >= b { [first, second] } else { [second, first] })
 }
 
 impl FrameAccounts {

@@ -34,9 +34,14 @@ pub(crate) fn find_islands(
         }
     }
     let mut recovered = vec![0.0; members.len()];
-    for (ids, energy) in &accounts.recovered {
-        if let Some(number) = number_of(ids) {
+    let mut recoveries = vec![Vec::new(); members.len()];
+    for (index, (ids, energy)) in accounts.recovered.iter().enumerate() {
+        // Most pairs recover nothing.
+        if *energy != 0.0
+            && let Some(number) = number_of(ids)
+        {
             recovered[number] += energy;
+            recoveries[number].push(index);
         }
     }
 
@@ -46,6 +51,7 @@ pub(crate) fn find_islands(
             members: ids.iter().filter_map(|&id| bodies.index_of(id)).collect(),
             anchor: anchors[number].anchor(bodies),
             recovered: recovered[number].max(0.0),
+            recoveries: recoveries[number].clone(),
             allowance: sum(start, ids) + work_on(&accounts.work, ids),
             bank: sum(bank, ids),
             gains: gains[number].clone(),

@@ -32,8 +32,10 @@ pub(crate) struct Island {
     pub(crate) members: Vec<usize>,
     /// The body outside the island that holds or carries it.
     pub(crate) anchor: Anchor,
-    /// Work of penetration recovery [J].
+    /// Work of penetration recovery that may remain [J].
     pub(crate) recovered: f64,
+    /// Its pairs with such work, indices into [`FrameAccounts`]'s list.
+    pub(crate) recoveries: Vec<usize>,
     /// Allowed energy at the end of the frame, without the bank [J].
     pub(crate) allowance: f64,
     /// [J]
@@ -82,6 +84,11 @@ pub(crate) fn energy(
     0.5 * mass * velocity.linear.length_squared() + spin - mass * gravity.dot(pose.position)
 }
 
+/// Potential energy of a dynamic body [J].
+pub(crate) fn potential(bodies: &Bodies, i: usize, gravity: DVec3) -> f64 {
+    -bodies.masses[i] * gravity.dot(bodies.poses[i].position)
+}
+
 /// Kinetic and potential energy of each body, 0 for immovable bodies [J].
 pub(crate) fn energies(bodies: &Bodies, frame: &Frame) -> Vec<f64> {
     let of = |i: usize| energy(bodies, i, &bodies.poses[i], &bodies.velocities[i], frame.gravity);
@@ -91,7 +98,7 @@ pub(crate) fn energies(bodies: &Bodies, frame: &Frame) -> Vec<f64> {
 /// Kinetic plus absolute potential energy, from the total `energy`: the scale of rounding errors
 /// [J].
 pub(crate) fn magnitude(bodies: &Bodies, i: usize, energy: f64, gravity: DVec3) -> f64 {
-    let potential = -bodies.masses[i] * gravity.dot(bodies.poses[i].position);
+    let potential = potential(bodies, i, gravity);
     energy - potential + potential.abs()
 }
 

@@ -1,7 +1,7 @@
 //! Balance of one island at the end of a frame: its energy against its allowance, what takes the
 //! excess, and what of a surplus is banked.
 
-use crate::energy::contact_repayment::{cap_ejection, repay};
+use crate::energy::contact_repayment::{cap_ejection, repay, return_recovered};
 use crate::energy::frame_accounts::{Cause, EnergyGain, FrameAccounts};
 use crate::energy::island::{ContactFreeState, Island, energy, magnitude};
 use crate::energy::island_correction::reduce_energy;
@@ -62,14 +62,13 @@ impl IslandBalance {
         let is_sound = frame.settings.ledger && self.energy.is_finite();
         let is_restrained = is_sound && cap_ejection(bodies, gains, frame, accounts);
         if is_restrained {
-            self.island.allowance += accounts.causes.work - work_before;
-            self.measure(bodies, frame);
+            self.measure_after(work_before, bodies, frame, accounts);
         }
         is_restrained
     }
 
     /// Removes the excess over the allowance, if there is one: contacts with an energy gain repay
-    /// first, the island pays the rest.
+    /// first, and pairs with penetration recovery; the island pays the rest.
     pub(crate) fn correct(
         &mut self,
         bodies: &mut Bodies,
@@ -81,8 +80,13 @@ impl IslandBalance {
         let excess = self.excess(frame)?;
         let work_before = accounts.causes.work;
         repay(bodies, gains, excess, accounts);
-        self.island.allowance += accounts.causes.work - work_before;
-        self.measure(bodies, frame);
+        self.measure_after(work_before, bodies, frame, accounts);
+        let Some(excess) = self.excess(frame) else { return Some(Correction::Repaid) };
+        let work_before = accounts.causes.work;
+        let recovered: Vec<_> =
+            self.island.recoveries.iter().map(|&index| accounts.recovered[index]).collect();
+        return_recovered(bodies, &recovered, excess, accounts);
+        self.measure_after(work_before, bodies, frame, accounts);
         let Some(excess) = self.excess(frame) else { return Some(Correction::Repaid) };
         let island = &mut self.island;
         let is_shortened = reduce_energy(bodies, island, contact_free, excess, frame, accounts);
@@ -109,6 +113,18 @@ impl IslandBalance {
         let Island { allowance, bank, recovered, .. } = self.island;
         let excess = self.energy - allowance - bank - recovered;
         (frame.settings.ledger && excess > self.rounding).then_some(excess)
+    }
+
+    /// Allows the work since `work_before` [J], and sums the energies anew.
+    fn measure_after(
+        &mut self,
+        work_before: f64,
+        bodies: &Bodies,
+        frame: &Frame,
+        accounts: &FrameAccounts,
+    ) {
+        self.island.allowance += accounts.causes.work - work_before;
+        self.measure(bodies, frame);
     }
 
     /// Sums the energies anew after a correction.

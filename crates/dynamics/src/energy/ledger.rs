@@ -12,10 +12,11 @@
 
 use crate::energy::frame_accounts::FrameAccounts;
 use crate::energy::frame_islands::find_islands;
-use crate::energy::island::{ContactFreeState, energies};
+use crate::energy::island::{ContactFreeState, energies, potential};
 use crate::energy::island_balance::{Correction, IslandBalance};
 use frangible_bodies::{Bodies, Frame, PerBody};
 use frangible_math::threads;
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// Energy banks of all bodies, kept across frames.
@@ -39,9 +40,13 @@ pub struct LedgerReport {
     pub removed: f64,
 }
 
-/// Kinetic and potential energy of each dynamic body at the start of a frame [J].
+/// Energies of each dynamic body at the start of a frame [J].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct EnergyAtStart(PerBody<f64>);
+pub struct EnergyAtStart {
+    /// Kinetic and potential energy.
+    total: PerBody<f64>,
+    potential: PerBody<f64>,
+}
 
 impl EnergyAtStart {
     /// Records all energies at the start of a frame.
@@ -49,10 +54,20 @@ impl EnergyAtStart {
         let mut start = Self::default();
         for (i, energy) in energies(bodies, frame).into_iter().enumerate() {
             if !bodies.inertias[i].is_infinite() {
-                start.0.insert(bodies.ids[i], energy);
+                start.total.insert(bodies.ids[i], energy);
+                start.potential.insert(bodies.ids[i], potential(bodies, i, frame.gravity));
             }
         }
         start
+    }
+
+    /// Potential energy of bodies that have risen since, without those that sank or were born [J].
+    fn risen(&self, bodies: &Bodies, members: &[usize], gravity: DVec3) -> f64 {
+        let of = |&i: &usize| {
+            let start = self.potential.get(bodies.ids[i])?;
+            Some((potential(bodies, i, gravity) - start).max(0.0))
+        };
+        members.iter().filter_map(of).sum()
     }
 }
 
@@ -76,16 +91,19 @@ impl Ledger {
         let (energies, islands) = threads::join(
             now.len(),
             || energies(now, frame),
-            || find_islands(now, &start.0, &self.bank, accounts),
+            || find_islands(now, &start.total, &self.bank, accounts),
         );
         // Bodies born in this frame have no known gain.
         let gained_by =
-            |i: usize| start.0.get(bodies.ids[i]).map_or(0.0, |start| energies[i] - start);
+            |i: usize| start.total.get(bodies.ids[i]).map_or(0.0, |start| energies[i] - start);
         let gained: Vec<f64> = (0..bodies.len()).map(gained_by).collect();
 
         let mut report = LedgerReport::default();
         let mut bank = PerBody::default();
-        for island in islands {
+        for mut island in islands {
+            // A push out of an overlap may raise bodies, and leaves no velocity.
+            let risen = start.risen(bodies, &island.members, frame.gravity);
+            island.recovered = island.recovered.min(risen);
             let mut balance = IslandBalance::new(bodies, island, &energies, frame);
             let mut gains = balance.gains(accounts);
             let (before, work_before) = (balance.energy, accounts.causes.work);
