@@ -193,9 +193,9 @@ fn what_lies_deep_in_a_joint_comes_out() {
     let joint = ShapeDesc::Compound { parts, resolution: Resolution::default() };
     let resolution = Resolution::default();
     let small = [
-        ShapeDesc::Box { size: [0.1; 3], resolution: resolution.clone() },
-        ShapeDesc::Sphere { radius: 0.06, resolution: resolution.clone() },
-        ShapeDesc::Cone { radius: 0.06, height: 0.1, resolution: resolution.clone() },
+        ShapeDesc::Box { size: [0.1; 3], resolution },
+        ShapeDesc::Sphere { radius: 0.06, resolution },
+        ShapeDesc::Cone { radius: 0.06, height: 0.1, resolution },
         ShapeDesc::Cylinder { radius: 0.05, height: 0.1, resolution },
         ShapeDesc::Compound {
             parts: vec![part([0.1, 0.05, 0.1], [0.0; 3]), part([0.05, 0.1, 0.1], [0.0; 3])],
