@@ -2,16 +2,18 @@
 //! independent of the narrow phase; and random pairs of shapes to compare both on.
 //!
 //! A convex body is a *core* (points, or two discs on an axis) and a rounding. Along a unit normal
-//! two cores are apart by what their supports leave between them; their separation is the largest of
-//! these numbers over all normals [Gregorius13]. Cores apart: nearest points of both, until support
-//! points prove the distance. Cores that overlap: a polytope in their difference, until its surface
-//! proves that no normal separates further. Both are good to 1e-8 of the smaller body, or better.
+//! two cores are apart by what their supports leave between them; their separation is the largest
+//! of these numbers over all normals [Gregorius13]. Cores apart: nearest points of both, until
+//! support points prove the distance. Cores that overlap: a polytope in their difference, until its
+//! surface proves that no normal separates further. Both are good to 1e-8 of the smaller body, or
+//! better.
 //!
-//! Where rounding leaves no proof, in one of a hundred pairs at most, all normals are tried that can
-//! be best: of a face of either, and across an edge of each, where rims are edges in all directions:
-//! first in steps, and then ever smaller steps around the best. The number given is attained by a
-//! normal, so true overlaps are never deeper than it says; they are shallower only if the steps
-//! miss a valley. Where cores have no rims all normals are tried, and the error is rounding.
+//! Where rounding leaves no proof, in one of a hundred pairs at most, all normals are tried that
+//! can be best: of a face of either, and across an edge of each, where rims are edges in all
+//! directions: first in steps, and then ever smaller steps around the best. The number given is
+//! attained by a normal, so true overlaps are never deeper than it says; they are shallower only if
+//! the steps miss a valley. Where cores have no rims all normals are tried, and the error is
+//! rounding.
 
 pub(crate) mod body;
 pub(crate) mod depth;
@@ -35,8 +37,8 @@ pub(crate) struct Truth {
     pub(crate) of_cores: f64,
 }
 
-/// Overlaps below this part of the smaller body's reach may be none: of bodies ten thousand times as
-/// large rounding leaves the search for nearest points that much.
+/// Overlaps below this part of the smaller body's reach may be none: of bodies ten thousand times
+/// as large rounding leaves the search for nearest points that much.
 const NEARLY: f64 = 1e-3;
 
 /// Separation of the first from the second.

@@ -185,8 +185,8 @@ fn seams_are_smooth_and_hollows_are_empty() {
     }
 }
 
-/// What starts deep where two parts of a compound join, each part's shortest way out leading into
-/// the other one, is out within a second, and slowly.
+/// A body that starts deep where two parts of a compound join, each part's shortest way out leading
+/// into the other one, is out within a second, and slowly.
 #[test]
 fn what_lies_deep_in_a_joint_comes_out() {
     let parts = vec![part([1.0, 0.3, 0.5], [0.0; 3]), part([0.4, 0.8, 0.5], [0.3, 0.55, 0.0])];

@@ -1,5 +1,4 @@
-//! What falls flat leaves flat, whatever number of fixed bodies, triangles and contact points bears
-//! it.
+//! A body that falls flat leaves flat, on any number of fixed bodies, triangles and contact points.
 
 #![allow(
     clippy::unwrap_used,
@@ -162,8 +161,8 @@ fn what_falls_flat_leaves_flat() {
 
 /// A cube that slides as it falls flat has friction at its lower face, which stops its slip: of 1
 /// m/s it keeps 0.6, and turns with 0.6 m/s per half side. Friction acted halfway between the
-/// surfaces as they were when the frame began, which left 0.73 m/s, and at the middle of each of the
-/// fixed bodies' contacts one after the other, which turned the cube about the vertical.
+/// surfaces as they were when the frame began, which left 0.73 m/s, and at the middle of each of
+/// the fixed bodies' contacts one after the other, which turned the cube about the vertical.
 #[test]
 fn friction_of_an_impact_acts_at_the_surface() {
     for (of_ground, ground) in grounds() {
@@ -187,10 +186,10 @@ fn friction_of_an_impact_acts_at_the_surface() {
 
 /// Coulomb friction of an impact also resists twisting: with mu = 0.02 a cube that falls flat loses
 /// mu (1 + e) v of its slip, and of its spin about the vertical what this impulse gives at its
-/// corners. Other bodies lose the same on all grounds, within the share of a corner that four points
-/// of a tile leave out; uneven prisms do within a sixth, as their corners' shares are not unique.
-/// Impacts did not resist twisting at all: bodies kept their spin on what they bounce off, and on
-/// seams.
+/// corners. Other bodies lose the same on all grounds, within the share of a corner that four
+/// points of a tile leave out; uneven prisms do within a sixth, as their corners' shares are not
+/// unique. Impacts did not resist twisting at all: bodies kept their spin on what they bounce off,
+/// and on seams.
 #[test]
 fn impacts_resist_twisting() {
     const FRICTION: f64 = 0.02;
@@ -259,8 +258,8 @@ fn thrown(seed: u64, frames_per_second: f64) -> [DVec3; 2] {
     [world.bodies().velocities[1].linear, 0.05 * spin(&world)]
 }
 
-/// Blocks that tumble against a wall leave it as in small steps: in the median of 30 they are off by
-/// less than 0.2 m/s, and were by 0.7, when friction acted at the middle of points that do not
+/// Blocks that tumble against a wall leave it as in small steps: in the median of 30 they are off
+/// by less than 0.2 m/s, and were by 0.7, when friction acted at the middle of points that do not
 /// touch.
 #[test]
 fn tumbling_impacts_are_those_of_small_steps() {

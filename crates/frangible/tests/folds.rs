@@ -81,7 +81,7 @@ fn radius_of(body: &BodyDesc) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// What slides off a table whose rim falls in a skirt, by one fold or two, is not held back. On
+    /// A table whose rim falls in a skirt, by one fold or two, holds back no body that slides off. On
     /// sheets nine in ten cylinders, discs and cones were, by up to twice their speed, while the
     /// back of the skirt was met from above the table.
     #[test]

@@ -171,7 +171,7 @@ fn names_that_the_conventions_give_as_examples_exist() {
     }
 }
 
-/// What a text has between backticks.
+/// Names that a text has between backticks: every second part of it, from the second one on.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }

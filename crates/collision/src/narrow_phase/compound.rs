@@ -72,7 +72,7 @@ pub(crate) fn compound_points(
         }
         found.add(&of_pair, parts, &of_parts);
     }
-    // What lies deep below a seam may be over no face.
+    // A part deep below a seam may be over no face.
     if found.is_empty() {
         for (parts, point) in taken.into_iter().filter(|(_, point)| point.gap < 0.0) {
             found.add(&of_pair, parts, &[point]);

@@ -21,7 +21,7 @@ pub(crate) fn find_islands(
     let members = islands.members(bodies);
     let anchors = find_anchors(&islands, &anchored, members.len());
 
-    // What contacts gave goes to the island of the pair's mobile body.
+    // Energy that contacts gave goes to the island of the pair's mobile body.
     let mut number_of = |ids: &[BodyId; 2]| {
         let mobile = *ids.iter().find(|&&id| !is_immobile(id))?;
         let node = islands.node(bodies, mobile);

@@ -174,8 +174,8 @@ fn meeting(
             if is_mesh && is_behind(way.seen(core.center, 0.0)) {
                 return None;
             }
-            // What has gone past the border of an open mesh has not gone through it, whichever side
-            // of its rim's planes it is on.
+            // A body past the border of an open mesh has not gone through it, whichever side of its
+            // rim's planes it is on.
             let distance = |point| match shape.distance_and_gradient(point) {
                 (distance, outward) if is_mesh && distance < 0.0 => (-distance, -outward),
                 in_front => in_front,

@@ -24,6 +24,7 @@ pub(super) fn corners(points: &[DVec2]) -> Vec<bool> {
             }
         }
         angles.sort_unstable_by(f64::total_cmp);
+        // Each angle with the next one, the last with the first.
         let around = angles.first().map(|first| first + std::f64::consts::TAU);
         let next = angles.iter().skip(1).copied().chain(around);
         let gaps = angles.iter().zip(next).map(|(from, to)| to - from);

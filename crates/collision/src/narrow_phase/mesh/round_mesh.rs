@@ -59,7 +59,7 @@ pub(crate) fn round_contacts(
             }
         }
     }
-    // What touches anything moves on another way.
+    // A body that touches anything moves on another way.
     if contacts[first..].iter().any(|contact| on_edges.of.touches(contact)) {
         contacts.append(&mut passing);
     }
@@ -333,7 +333,7 @@ impl RoundMesh<'_> {
         let (round, partner) = (of.placed(*time), Partner::Revolved(*segment));
         let at = (*separation, *time);
         let points = of.points(&round, &partner, at, |instant, found| instant.points(found));
-        // What passes has no other normals than that of its closest approach.
+        // A passing body has no other normals than that of its closest approach.
         let meets = of.meet(separation, *time);
         let stands_out = |point: &&RoundPoint| {
             point.normal == separation.normal || meets && edge.stands_out(point.normal, ASIDE)

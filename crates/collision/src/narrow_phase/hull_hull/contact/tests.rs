@@ -312,7 +312,8 @@ proptest! {
     /// stay, in any order and however it leans.
     #[test]
     fn feet_stand_on_their_outer_corners(
-        order in Just((0..16).collect::<Vec<u32>>()).prop_shuffle(), noise in prop::collection::vec(vector(1e-7), 16), lean in vector(2e-3),
+        order in Just((0..16).collect::<Vec<u32>>()).prop_shuffle(),
+        noise in prop::collection::vec(vector(1e-7), 16), lean in vector(2e-3),
     ) {
         let point = |number: u32| {
             let side = |bit: u32| f64::from(number >> bit & 1) - 0.5;
@@ -320,7 +321,10 @@ proptest! {
             let on = on + noise[number as usize].with_y(0.0);
             let gap = on.dot(lean);
             HullPoint {
-                on: [on + gap * DVec3::Y, on], normal: DVec3::Y, gap, feature: Feature::VertexOfFirst(number),
+                on: [on + gap * DVec3::Y, on],
+                normal: DVec3::Y,
+                gap,
+                feature: Feature::VertexOfFirst(number),
             }
         };
         let mut kept: Vec<HullPoint> = order.into_iter().map(point).collect();

@@ -3,10 +3,10 @@
 use crate::narrow_phase::mesh::moving_point::{Leg, Meeting, MovingPoint, SAME_NORMAL};
 use glam::DVec3;
 
-/// Number of touches after which a point goes no further in a frame: at 200 m/s and 30 Hz a ball that
-/// bounces crosses a room of 2 m three times each way, and one in a pipe of 720 facets goes over
-/// eighteen. With 4 touches, 8 % of such balls left the room in a second, and others came by a seventh
-/// of their radius into the pipe, and came out with more energy.
+/// Number of touches after which a point goes no further in a frame: at 200 m/s and 30 Hz a ball
+/// that bounces crosses a room of 2 m three times each way, and one in a pipe of 720 facets goes
+/// over eighteen. With 4 touches, 8 % of such balls left the room in a second, and others came by a
+/// seventh of their radius into the pipe, and came out with more energy.
 const MOST_TOUCHES: usize = 16;
 
 impl MovingPoint<'_> {
@@ -59,9 +59,9 @@ impl MovingPoint<'_> {
         at + rest
     }
 
-    /// Another triangle that a ball overlaps at the frame's start, and goes further into on the rest
-    /// of its way: a sweep meets no triangle that it starts deep in. A ball that was deep in a floor and a
-    /// wall met the ceiling at no speed.
+    /// Another triangle that a ball overlaps at the frame's start, and goes further into on the
+    /// rest of its way: a sweep meets no triangle that it starts deep in. A ball that was deep in a
+    /// floor and a wall met the ceiling at no speed.
     fn other_overlap(
         &self,
         flight: &[Meeting],
