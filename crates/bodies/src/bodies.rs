@@ -335,6 +335,13 @@ impl Bodies {
             || self.classes.collide(self.surfaces[a].class, self.surfaces[b].class)
     }
 
+    /// Strength of a body where it is weakest: the largest impulse before it breaks [N s]. Only
+    /// dynamic bodies break.
+    #[inline]
+    pub fn strength(&self, i: usize) -> f64 {
+        if self.inertias[i].is_infinite() { f64::INFINITY } else { self.surfaces[i].strength }
+    }
+
     /// Combined surface properties of a pair.
     #[inline]
     pub fn pair_surface(&self, a: usize, b: usize) -> PairSurface {

@@ -6,7 +6,7 @@
 //! searched along the surface, is the visible point of impact.
 
 use crate::narrow_phase::samples::{ContactPoint, NearSamples, contact_point, overlap};
-use crate::relative_motion::{Placed, placed};
+use crate::relative_motion::Placed;
 use frangible_bodies::{Bodies, Pair, Pose};
 use glam::DVec3;
 
@@ -22,17 +22,17 @@ const SLIDES: u32 = 60;
 /// First step along the surface, relative to the smaller body's size: about the sample spacing.
 const FIRST_SLIDE: f64 = 0.1;
 
-/// Point and normal of the first touch, with the poses of both bodies; `None` if the bodies already
-/// touch at the frame's start, or never on the way.
+/// Point and normal of the first touch of a pair on the way from the poses of both bodies to others,
+/// with their poses there; `None` if they touch from the beginning, or never.
 pub fn first_contact(
     bodies: &Bodies,
     pair: Pair,
-    predicted: &[Pose],
+    [from, to]: [&[Pose; 2]; 2],
 ) -> Option<(ContactPoint, [Pose; 2])> {
     let at = |part: f64| {
-        [pair.first, pair.second].map(|i| Pose {
-            position: bodies.poses[i].position.lerp(predicted[i].position, part),
-            orientation: bodies.poses[i].orientation.slerp(predicted[i].orientation, part),
+        [0, 1].map(|side| Pose {
+            position: from[side].position.lerp(to[side].position, part),
+            orientation: from[side].orientation.slerp(to[side].orientation, part),
         })
     };
     let shapes = [&*bodies.shapes[pair.first], &*bodies.shapes[pair.second]];
@@ -44,8 +44,7 @@ pub fn first_contact(
     };
 
     // Find the first interval with overlap, then bisect.
-    let (first, second) = placed(bodies, pair, &bodies.poses);
-    if overlap(first, second) {
+    if touch(from) {
         return None;
     }
     let part = |number: u32| f64::from(number) / f64::from(PARTS);
@@ -146,7 +145,9 @@ mod tests {
                 let pair = Pair { first: 0, second: 1 };
                 let mut predicted = bodies.poses.clone();
                 predicted[usize::from(order)].position.x = 0.1;
-                let (contact, _) = first_contact(&bodies, pair, &predicted).unwrap();
+                let both = |poses: &[Pose]| [poses[0], poses[1]];
+                let (still, ahead) = (both(&bodies.poses), both(&predicted));
+                let (contact, _) = first_contact(&bodies, pair, [&still, &ahead]).unwrap();
                 // At the time of a sample's touch the ball has moved a little further.
                 let off = contact.point - DVec3::new(0.2, y, z);
                 assert!(
@@ -155,7 +156,7 @@ mod tests {
                 );
                 let towards_ball = if order { -contact.normal } else { contact.normal };
                 assert!((towards_ball - DVec3::X).length() < 1e-3, "{}", contact.normal);
-                assert!(first_contact(&bodies, pair, &bodies.poses).is_none(), "nobody moves");
+                assert!(first_contact(&bodies, pair, [&still, &still]).is_none(), "nobody moves");
             }
         }
     }

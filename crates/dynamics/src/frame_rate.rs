@@ -12,6 +12,7 @@ mod effective_mass;
 pub(crate) mod finish;
 mod friction;
 mod group;
+pub(crate) mod impact_log;
 mod joint_friction;
 mod joint_impacts;
 mod joint_lanes;
@@ -84,6 +85,7 @@ fn solve_with<I: Instructions>(
         gravity: (DVec3::ZERO, DVec3::ZERO),
         short_of_substeps: islands.short_of_substeps,
         confirmed: BTreeMap::new(),
+        impacts: Vec::new(),
     };
     let mut parts: Vec<ImpulseChunk> = Vec::new();
     let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {

@@ -16,8 +16,11 @@ pub use energy::island::ContactFreeState;
 pub use energy::ledger::{EnergyAtStart, Ledger, LedgerReport};
 pub use frame_rate::contact_forces::{ContactForce, contact_forces};
 pub use frame_rate::finish::Solved;
+pub use frame_rate::impact_log::Impact;
 pub use frame_rate::solve;
-pub use impacts::blows::{Blow, LocalStrength, UpcomingImpact, pass_on, strike, upcoming_impact};
+pub use impacts::blows::{
+    Blow, LocalStrength, Strike, UpcomingImpact, pass_on, strikes, upcoming_impact,
+};
 pub use impacts::impact_chain::find_impact_chain;
 pub use impulse::collision_impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 pub use impulse::energy_clamp::{Clamp, ClampSide, Clamps, clamp_impulse};

@@ -293,6 +293,11 @@ impl World {
         self.spared.push((self.bodies.ids[dense], std::mem::replace(bears, f64::INFINITY)));
     }
 
+    /// True if an impact may break a body.
+    pub(crate) fn may_break(&self) -> bool {
+        (0..self.bodies.len()).any(|i| self.bodies.strength(i).is_finite())
+    }
+
     /// Lets the spared bodies break again.
     pub(crate) fn end_sparing(&mut self) {
         for (id, bears) in std::mem::take(&mut self.spared) {

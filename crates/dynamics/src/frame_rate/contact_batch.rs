@@ -72,8 +72,10 @@ pub(super) struct ContactBatch<I> {
     pub(super) restitution: Single<I>,
     /// Lanes whose impacts may be solved together with those of other lanes.
     pub(super) companions: Mask,
-    /// Lanes whose impacts are solved as such: those with restitution or with companions. Without
-    /// restitution others are stopped by the soft sweep.
+    /// Lanes with a body that may break: their impacts are noted.
+    pub(super) breakable: Mask,
+    /// Lanes whose impacts are solved as such: those with restitution, with companions, or with a
+    /// body that may break. Others are stopped by the soft sweep.
     pub(super) bounces: Mask,
     /// Relative gravity along the normal [m/s^2].
     pub(super) gravity: Single<I>,
@@ -133,6 +135,7 @@ impl<I: Instructions> ContactBatch<I> {
             rolling: None,
             restitution: zero,
             companions: Mask::NONE,
+            breakable: Mask::NONE,
             bounces: Mask::NONE,
             gravity: zero,
             frame_impulse: [zero; 3],
@@ -180,7 +183,8 @@ impl<I: Instructions> ContactBatch<I> {
         self.friction_coefficient.set(lane, surface.friction);
         self.spinning_friction.set(lane, surface.spinning_friction);
         self.restitution.set(lane, surface.restitution.max(0.0));
-        let has_impacts = surface.restitution > 0.0 || self.companions.get(lane);
+        let may_break = self.breakable.get(lane);
+        let has_impacts = surface.restitution > 0.0 || self.companions.get(lane) || may_break;
         self.bounces.set(lane, has_impacts);
         if surface.rolling_friction > 0.0 {
             let zero = Single::ZERO;

@@ -2,6 +2,7 @@
 
 use super::contact_batch::ContactBatch;
 use super::group::Group;
+use super::impact_log::Impact;
 use crate::energy::frame_accounts::{Cause, FrameAccounts};
 use crate::energy::island::energy;
 use crate::energy::islands::root;
@@ -25,6 +26,8 @@ pub struct Solved {
     pub short_of_substeps: usize,
     /// Points of the pairs that were detected again within the frame.
     pub confirmed: BTreeMap<Pair, Vec<ManifoldPoint>>,
+    /// Largest impact of each pair with a body that may break.
+    pub impacts: Vec<Impact>,
 }
 
 /// Poses and velocities of all bodies at the frame's start.
@@ -84,6 +87,7 @@ impl<I: Instructions> Group<I> {
         for (&manifold, points) in &self.speculative.points {
             solved.confirmed.insert(manifolds[manifold as usize].pair, points.clone());
         }
+        solved.impacts.extend(self.impacts.drain(..).map(|(_, impact)| impact));
         let accounts = &mut solved.accounts;
         let (momenta, cache) = self.book_contacts(bodies, manifolds, frame.dt, accounts);
         for line in 0..self.bodies.lines.len() {

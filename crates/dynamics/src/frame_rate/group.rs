@@ -2,6 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
+use super::impact_log::Impact;
 use super::joint_lanes::companions;
 use super::restitution::{most_visits, propagate_impacts};
 use super::slabs::{Slab, Slabs};
@@ -11,7 +12,7 @@ use super::speculative_contacts::{LOOKS_AGAIN, SpeculativeContacts, is_confirmed
 use super::substep::{Softness, Substep};
 use super::timeline::Timeline;
 use super::touching::{Place, Touching};
-use frangible_bodies::{Bodies, Frame};
+use frangible_bodies::{Bodies, Frame, Pair};
 use frangible_collision::{CachedImpulse, FixedNeighbours, Manifold};
 use frangible_math::{Instructions, LANES, Single, prefetch, threads};
 use glam::Vec3;
@@ -51,6 +52,9 @@ pub(super) struct Group<I> {
     /// Built on first use.
     touching: OnceCell<Touching>,
     pub(super) speculative: SpeculativeContacts,
+    /// Largest impact of each two lines, with [`FIXED`](super::joint_lanes::FIXED) for static
+    /// bodies, in the lanes of those that may break.
+    pub(super) impacts: Vec<([usize; 2], Impact)>,
     pub(super) substeps: u32,
     /// Length of a substep [s].
     pub(super) h: f64,
@@ -114,6 +118,7 @@ impl<I: Instructions> Group<I> {
                     let source = source(selection);
                     let constraint = source.constraint(selection, bodies, (h, frame));
                     batch.companions.set(lane, companions[number as usize]);
+                    batch.breakable.set(lane, may_break(bodies, source.manifold.pair));
                     batch.fill(lane, (number, &constraint));
                     batch.unconfirmed.set(lane, !is_confirmed(bodies, &source, frame));
                 }
@@ -137,6 +142,7 @@ impl<I: Instructions> Group<I> {
             slabs: all,
             touching: OnceCell::new(),
             speculative,
+            impacts: Vec::new(),
             substeps,
             h,
         }
@@ -241,6 +247,8 @@ impl<I: Instructions> Group<I> {
                 break;
             }
         }
+        let (time_left, _) = now;
+        self.keep_impacts(&mut timeline.impacts, (bodies, contacts.0), frame.dt - time_left);
     }
 
     /// Visits all batches: even slabs in parallel, then odd slabs in parallel, then the remainder.
@@ -310,6 +318,11 @@ impl<I: Instructions> Group<I> {
             }
         }
     }
+}
+
+/// True if an impact may break a body of the pair.
+fn may_break(bodies: &Bodies, pair: Pair) -> bool {
+    pair.both().into_iter().any(|i| bodies.strength(i).is_finite())
 }
 
 /// Splits mutable sub-slices off the front of a slice.

@@ -139,6 +139,13 @@ impl JointImpact {
             member.impulses[point.number] = point.impulse;
             member.twist_arm += point.impulse * (point.moments[0] - share * moment).length();
         }
+        for Member { place, impulses, .. } in &self.members {
+            let (batch, lane) = (&batches[place.batch()], place.lane());
+            if batch.breakable.get(lane) {
+                let bodies = batch.lines().map(|lines| bodies.lines[lines[lane]]);
+                timeline.impacts.note(batch, lane, bodies, *impulses);
+            }
+        }
         for (side, &line) in movable.iter().enumerate() {
             self.push(&mut bodies.lines[line], &bodies.inverse_inertias[line], side);
         }

@@ -195,6 +195,11 @@ impl<I: Instructions> ContactBatch<I> {
         let before = sides.of;
         sides.push(n, sum, [moments[0] * scale, moments[1] * scale]);
 
+        let noted = hits.and(self.breakable);
+        for lane in (0..LANES).filter(|&lane| noted.get(lane)) {
+            let bodies = self.ids.map(|of_side| lines.bodies[of_side[lane] as usize]);
+            timeline.impacts.note(self, lane, bodies, impulses.map(|impulse| impulse.get(lane)));
+        }
         let acting = (sum, &impulses, twist_arm);
         let (friction, slip) = self.rub_impact(&mut sides, &at, acting);
         self.book_impact(sum, friction, slip);

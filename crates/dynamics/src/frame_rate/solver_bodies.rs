@@ -48,6 +48,27 @@ impl SolverBody {
     pub(super) fn is_movable(&self) -> bool {
         self.velocity.0[6] > 0.0
     }
+
+    /// Rotation since the frame's start.
+    pub(super) fn turn(&self) -> DQuat {
+        let Singles(d) = self.displacement;
+        DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into())
+    }
+
+    /// Present pose of a body with the pose `start` at the frame's start.
+    pub(super) fn pose(&self, start: &Pose) -> Pose {
+        let Singles(d) = self.displacement;
+        Pose {
+            position: start.position + Vec3::new(d[0], d[1], d[2]).as_dvec3(),
+            orientation: (self.turn() * start.orientation).normalize(),
+        }
+    }
+
+    /// The body after another `h` [s] with its velocity.
+    pub(super) fn drifted(mut self, h: f32) -> Self {
+        drift(&mut self, h, Vec3::ZERO);
+        self
+    }
 }
 
 /// The bodies of an island group.
@@ -127,15 +148,10 @@ impl SolverBodies {
     /// Present pose of a line's body with the pose `start` at the frame's start, and its linear
     /// [m/s] and angular velocity [rad/s].
     pub(super) fn now(&self, line: usize, start: &Pose) -> (Pose, [DVec3; 2]) {
-        let SolverBody { velocity: Singles(v), displacement: Singles(d) } = self.lines[line];
-        let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());
-        let pose = Pose {
-            position: start.position + Vec3::new(d[0], d[1], d[2]).as_dvec3(),
-            orientation: (turn * start.orientation).normalize(),
-        };
+        let Singles(v) = self.lines[line].velocity;
         let [linear, angular] =
             [[v[0], v[1], v[2]], [v[3], v[4], v[5]]].map(|v| Vec3::from_array(v).as_dvec3());
-        (pose, [linear, angular])
+        (self.lines[line].pose(start), [linear, angular])
     }
 
     /// Present angular speed of a line [rad/s].
@@ -221,10 +237,8 @@ impl SolverBodies {
             let Some(i) = self.body_of[line] else { continue };
             let (at, inertia) = (self.spinning_at(line), &bodies.inertias[i]);
             if let (Err(at), false) = (at, is_round(inertia)) {
-                let SolverBody { velocity: Singles(v), displacement: Singles(d) } =
-                    self.lines[line];
-                let turn = DQuat::from_xyzw(d[3].into(), d[4].into(), d[5].into(), d[6].into());
-                let orientation = (turn * bodies.poses[i].orientation).normalize();
+                let Singles(v) = self.lines[line].velocity;
+                let orientation = self.lines[line].pose(&bodies.poses[i]).orientation;
                 let angular_velocity = Vec3::new(v[3], v[4], v[5]).as_dvec3();
                 let mut body = SpinningBody {
                     line,

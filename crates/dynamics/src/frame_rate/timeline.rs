@@ -1,6 +1,7 @@
 //! Times of impact of bodies within a substep, and which batches are still to be visited.
 
 use super::contact_batch::ContactBatch;
+use super::impact_log::ImpactLog;
 use super::solver_bodies::{SolverBodies, SolverBody};
 use frangible_math::{LANES, Mask};
 
@@ -21,6 +22,7 @@ pub(super) struct Timeline {
     pub(super) coming: BatchSet,
     /// Velocity change of each lane that would cause an impact [m/s].
     pub(super) needs: Vec<[f32; LANES]>,
+    pub(super) impacts: ImpactLog,
 }
 
 /// A set of batch indices with extraction in ascending order.
@@ -83,6 +85,7 @@ impl Timeline {
             asked: BatchSet::below(batches),
             coming: BatchSet::below(batches),
             needs: vec![[0.0; LANES]; batches],
+            impacts: ImpactLog::default(),
         }
     }
 

@@ -1,13 +1,13 @@
 //! Blows: impacts above a body's strength [Su09 sec. 4.2].
 
 use crate::energy::frame_accounts::{Cause, FrameAccounts};
+use crate::frame_rate::impact_log::Impact;
 use crate::impulse::pair_impulse::{
     Approach, PairImpulse, approach_at, deepest_approach, impulse_for,
 };
-use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
+use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose};
 use frangible_collision::{
-    ContactPoint, ImpulseCache, ManifoldFinder, ManifoldPoint, NearSamples, PairMotion,
-    first_contact, placed,
+    ContactPoint, ImpulseCache, ManifoldFinder, ManifoldPoint, NearSamples, first_contact, placed,
 };
 use glam::DVec3;
 
@@ -54,7 +54,7 @@ pub(crate) fn blows_of(
     }
     let (contact, [pose_first, pose_second]) = first_touch();
     let strength = |i: usize, pose: Pose| {
-        let strength = strength(bodies, i);
+        let strength = bodies.strength(i);
         let point = || pose.world_from_body().inverse().point(contact.point);
         if strength.is_finite() { strength * local(i, point()) } else { strength }
     };
@@ -82,76 +82,65 @@ pub(crate) fn blows_of(
     ]
 }
 
-/// Strength of a body where it is weakest: the largest impulse before it breaks [N s].
-fn strength(bodies: &Bodies, i: usize) -> f64 {
-    if bodies.inertias[i].is_infinite() { f64::INFINITY } else { bodies.surfaces[i].strength }
-}
-
 /// Smaller strength of a pair: the largest impulse through its contact [N s].
 fn smaller_strength(bodies: &Bodies, pair: Pair) -> f64 {
-    strength(bodies, pair.first).min(strength(bodies, pair.second))
+    bodies.strength(pair.first).min(bodies.strength(pair.second))
 }
 
-/// Finds the blows of a frame before any motion: for each pair, the impulse that would stop the
-/// first touch on the way to `predicted`. Both bodies receive an impulse up to the smaller strength
-/// at once. A broken body takes no further blows.
-pub fn strike(
-    bodies: &mut Bodies,
-    pairs: &[Pair],
-    predicted: &[Pose],
-    local: LocalStrength,
-    frame: &Frame,
-    accounts: &mut FrameAccounts,
-) -> Vec<Blow> {
-    let mut blows = Vec::new();
-    // Without breakable bodies skip all pairs; a heap has tens of thousands.
-    if (0..bodies.len()).all(|i| strength(bodies, i).is_infinite()) {
-        return blows;
-    }
-    let mut broken = vec![false; bodies.len()];
-    let mut finder = ManifoldFinder::default();
-    for &pair in pairs {
-        if broken[pair.first] || broken[pair.second] || withstands_all(bodies, pair, frame) {
-            continue;
-        }
-        let Some((approach, touch)) = next_touch(bodies, pair, predicted, &mut finder, frame)
-        else {
-            continue;
-        };
-        let surfaces = bodies.pair_surface(pair.first, pair.second);
-        let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
-        let acts = (approach.contact.point, impulse.at_contact.length());
-        let of_pair = blows_of(bodies, pair, acts, local, || {
-            first_contact(bodies, pair, predicted).unwrap_or(touch)
-        });
-        let Some(borne) =
-            of_pair.iter().flatten().map(|blow| blow.borne / blow.impulse).reduce(f64::min)
-        else {
-            continue;
-        };
-
-        // Apply the impulse up to the smaller strength.
-        pass_on(bodies, pair, &approach, &impulse.scaled(borne), frame, accounts);
-        for (blow, i) in of_pair.into_iter().zip([pair.first, pair.second]) {
-            broken[i] |= blow.is_some();
-            blows.extend(blow);
-        }
-    }
-    blows
+/// An impact above the strength of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Strike {
+    /// The two that meet.
+    pub pair: Pair,
+    /// Contact at the frame's start, with the normal towards the first body.
+    pub contact: ContactPoint,
+    /// Part of the impact up to the smaller strength, on the first body [N s].
+    pub impulse: DVec3,
+    /// One for each body that breaks.
+    pub blows: [Option<Blow>; 2],
 }
 
-/// True if no impulse between a pair within the frame can exceed its smaller strength. An impulse
-/// without energy gain satisfies `|u + K j| <= |u|` in the norm of the pair's K, hence never
-/// exceeds twice the reduced mass times the relative speed.
-fn withstands_all(bodies: &Bodies, pair: Pair, frame: &Frame) -> bool {
-    let borne = smaller_strength(bodies, pair);
-    let answer =
-        bodies.inertias[pair.first].inverse_mass + bodies.inertias[pair.second].inverse_mass;
-    if borne.is_infinite() {
-        return true;
+/// Impacts of a frame above the strength of a body, in the order of their times; `bodies` are those
+/// of the frame's start.
+pub fn strikes(bodies: &Bodies, mut impacts: Vec<Impact>, local: LocalStrength) -> Vec<Strike> {
+    impacts.sort_by(|a, b| {
+        let pair = |impact: &Impact| impact.pair.both();
+        a.time.total_cmp(&b.time).then_with(|| pair(a).cmp(&pair(b)))
+    });
+    let mut strikes = Vec::new();
+    for impact in impacts {
+        let Impact { pair, impulse, contact, acts_at, .. } = impact;
+        let size = impulse.length();
+        let blows = blows_of(bodies, pair, (acts_at, size), local, || touch(bodies, &impact));
+        let Some(borne) = blows.iter().flatten().map(|blow| blow.borne).reduce(f64::min) else {
+            continue;
+        };
+        let contact = ContactPoint { point: acts_at, normal: contact.normal };
+        strikes.push(Strike { pair, contact, impulse: impulse * (borne / size), blows });
     }
-    let [first, second] = BallisticPath::of_pair(bodies, pair, frame);
-    borne * answer >= 2.0 * PairMotion::new(bodies, pair, [&first, &second], frame).most_speed
+    strikes
+}
+
+impl Strike {
+    /// Applies what the weaker body bears to both bodies at the frame's start, clamped to the
+    /// available energy, and books it.
+    pub fn pass_on(&self, bodies: &mut Bodies, frame: &Frame, accounts: &mut FrameAccounts) {
+        let approach =
+            approach_at(bodies, self.pair, self.contact, &bodies.poses, &bodies.velocities);
+        let impulse = PairImpulse::new(&approach, self.impulse);
+        pass_on(bodies, self.pair, &approach, &impulse, frame, accounts);
+    }
+}
+
+/// Point and poses of an impact. A contact at one point is detected as its substep begins: look
+/// for the exact touch from there, no farther away than the bodies move.
+fn touch(bodies: &Bodies, impact: &Impact) -> Touch {
+    let Impact { pair, contact, poses, poses_past, is_at_point, .. } = impact;
+    let way = |side: usize| poses[side].position.distance(poses_past[side].position);
+    let reach = way(0) + way(1);
+    let is_near = |(found, _): &Touch| *is_at_point && found.point.distance(contact.point) <= reach;
+    let exact = first_contact(bodies, *pair, [poses, poses_past]);
+    exact.filter(is_near).unwrap_or((*contact, *poses))
 }
 
 /// A collision within the frame.

@@ -117,11 +117,11 @@ impl Collisions {
         approach: &Approach,
         impulse: &PairImpulse,
     ) -> [Option<Blow>; 2] {
-        let predicted = &self.predicted;
+        let both = pair.both();
+        let (now, ends) = (both.map(|i| bodies.poses[i]), both.map(|i| self.predicted[i]));
         let acts = (approach.contact.point, impulse.at_contact.length());
         blows_of(bodies, pair, acts, &|_, _| 1.0, || {
-            first_contact(bodies, pair, predicted)
-                .unwrap_or((approach.contact, [predicted[pair.first], predicted[pair.second]]))
+            first_contact(bodies, pair, [&now, &ends]).unwrap_or((approach.contact, ends))
         })
     }
 

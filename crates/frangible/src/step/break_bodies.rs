@@ -9,7 +9,7 @@ use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, BodyId, Frame, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
 };
-use frangible_dynamics::{Blow, FrameAccounts, energy_at, repay_at};
+use frangible_dynamics::{Blow, FrameAccounts, Strike, energy_at, repay_at};
 use frangible_fracture::{
     Fragment, Impact, Pattern, ShatterSettings, fragment_velocity, interfaces, shatter,
 };
@@ -71,17 +71,66 @@ pub(crate) fn break_bodies(
     replace(world, breaks)
 }
 
-/// Breaks bodies and books what it does to the energy.
+/// [`break_bodies`], and books what it does to the energy.
 pub(crate) fn break_and_book(
     world: &mut World,
     blows: &[Blow],
     accounts: &mut FrameAccounts,
     frame: &Frame,
 ) -> (Vec<Fracture>, Vec<Option<usize>>) {
-    let (energy, work) = (Totals::of(&world.bodies, frame).energy(), accounts.causes.work);
-    let broken = break_bodies(world, blows, accounts);
-    accounts.causes.fracture +=
-        Totals::of(&world.bodies, frame).energy() - energy - (accounts.causes.work - work);
+    book(world, accounts, frame, |world, accounts| break_bodies(world, blows, accounts))
+}
+
+/// Breaks bodies by impacts of which nothing has acted yet, in their order. Each body takes part in
+/// the first that breaks something. An impact passes on what the weaker body bears only if pieces
+/// come off.
+pub(crate) fn break_by_strikes(
+    world: &mut World,
+    strikes: &[Strike],
+    accounts: &mut FrameAccounts,
+    frame: &Frame,
+) -> Vec<Fracture> {
+    book(world, accounts, frame, |world, accounts| {
+        let mut took_part = vec![false; world.bodies.len()];
+        let mut breaks = Vec::new();
+        for strike in strikes {
+            let both = strike.pair.both();
+            if both.into_iter().any(|i| took_part[i]) {
+                continue;
+            }
+            let before = both.map(|i| world.bodies.velocities[i]);
+            let mut trial = FrameAccounts::default();
+            strike.pass_on(&mut world.bodies, frame, &mut trial);
+            let first = breaks.len();
+            for blow in strike.blows.iter().flatten() {
+                let parent = world.bodies.index_of(blow.body);
+                breaks.extend(parent.and_then(|parent| crack(world, blow, parent, &mut trial)));
+            }
+            if breaks.len() == first {
+                both.into_iter().zip(before).for_each(|(i, v)| world.bodies.velocities[i] = v);
+                continue;
+            }
+            accounts.add(trial);
+            for i in both.into_iter().filter(|&i| !world.bodies.inertias[i].is_infinite()) {
+                took_part[i] = true;
+            }
+        }
+        replace(world, breaks)
+    })
+    .0
+}
+
+/// Breaks bodies and books the energy that no other cause has.
+fn book<T>(
+    world: &mut World,
+    accounts: &mut FrameAccounts,
+    frame: &Frame,
+    breaks: impl FnOnce(&mut World, &mut FrameAccounts) -> T,
+) -> T {
+    let (energy, booked) = (Totals::of(&world.bodies, frame).energy(), accounts.causes.sum());
+    let broken = breaks(world, accounts);
+    let gained = Totals::of(&world.bodies, frame).energy() - energy;
+    accounts.causes.fracture += gained - (accounts.causes.sum() - booked);
     broken
 }
 

@@ -1,27 +1,98 @@
 //! The frame-rate method: one detection at x^n, then substeps ([Cat24], [Mac19]; adr/010).
 
-use crate::report::{Fracture, Quarantined, id_number};
+use crate::report::{Fracture, id_number};
 use crate::step::bonds::{glued_contact_forces, note_carried};
-use crate::step::break_bodies::break_and_book;
+use crate::step::break_bodies::break_by_strikes;
 use crate::step::local_strength::LocalStrengths;
 use crate::step::moved::Moved;
 use crate::step::quarantine::{Before, take_out_faulty};
 use crate::step::stage_clock::StageClock;
 use crate::step::waiting::passed_on::{hit_through_others, waiting_contacts};
 use crate::world::{Label, World};
-use frangible_bodies::{Frame, Pair, Pose, predict};
-use frangible_collision::{Manifold, Swept};
+use frangible_bodies::{Bodies, BodyId, Frame, Pair, predict};
+use frangible_collision::{ImpulseCache, Manifold, Swept};
 use frangible_dynamics::{
-    ContactFreeState, FrameAccounts, Solved, find_impact_chain, solve, strike,
+    ContactForce, ContactFreeState, FrameAccounts, Impact, Solved, find_impact_chain, solve,
+    strikes,
 };
+use glam::DVec3;
 use std::collections::BTreeSet;
 
-/// Moves all bodies from x^n, v^n to x^{n+1}, v^{n+1}.
+/// Moves all bodies from x^n, v^n to x^{n+1}, v^{n+1}. What the impacts of the frame break, breaks at
+/// its start [Su09 sec. 4.2], and the frame is done again: fragments meet their striker in the
+/// frame that made them, and break in turn.
 pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
-    // Bodies hit above their strength break before any motion, fragments too [Su09 sec. 4.2].
     let (mut accounts, mut quarantined) = (FrameAccounts::default(), Vec::new());
-    let Struck { fractures, predicted, swept } =
-        strike_and_break(world, &mut accounts, &mut quarantined, frame, clock);
+    let mut fractures: Vec<Fracture> = Vec::new();
+    let mut passes = 0;
+    loop {
+        take_out_faulty(world, &mut quarantined);
+        let may_break = passes < frame.settings.breaking_passes && world.may_break();
+        let start = may_break.then(|| FrameStart::of(world));
+        let mut solved = solve_frame(world, &fractures, &accounts, frame, clock);
+        let impacts = std::mem::take(&mut solved.impacts);
+        let broken = start
+            .map_or(Vec::new(), |start| break_struck(world, start, impacts, &mut accounts, frame));
+        clock.lap("break_bodies");
+        if !broken.is_empty() {
+            fractures.extend(broken);
+            passes += 1;
+            continue;
+        }
+
+        note_carried(world, &solved.glued_forces);
+        accounts.add(solved.accounts);
+        return Moved {
+            fractures,
+            contact_free: solved.contact_free,
+            gravity: solved.gravity,
+            accounts,
+            left_out: solved.left_out,
+            short_of_substeps: solved.short_of_substeps,
+            quarantined,
+            before: solved.before,
+            hit: solved.hit,
+        };
+    }
+}
+
+/// What the substeps change, at the frame's start.
+struct FrameStart {
+    bodies: Bodies,
+    warm: ImpulseCache,
+}
+
+impl FrameStart {
+    fn of(World { bodies, warm, .. }: &World) -> Self {
+        Self { bodies: bodies.clone(), warm: warm.clone() }
+    }
+}
+
+/// A frame that may have to be done again.
+struct SolvedFrame {
+    contact_free: ContactFreeState,
+    gravity: (DVec3, DVec3),
+    accounts: FrameAccounts,
+    left_out: usize,
+    short_of_substeps: usize,
+    before: Before,
+    hit: Vec<BodyId>,
+    /// Loads of bonds in the next frame.
+    glued_forces: Vec<ContactForce>,
+    impacts: Vec<Impact>,
+}
+
+/// Detects contacts and runs the substeps. `fractures` and `accounts` are those of the frame so far.
+fn solve_frame(
+    world: &mut World,
+    fractures: &[Fracture],
+    accounts: &FrameAccounts,
+    frame: &Frame,
+    clock: &mut StageClock,
+) -> SolvedFrame {
+    let predicted = predict(&world.bodies, frame);
+    let swept = Swept::new(&world.bodies, &predicted, frame.speculative_margin(), frame);
+    clock.lap("find_pairs");
 
     // Contact manifolds of the pairs near each other's paths [Gregorius13], and of those that an
     // impact may bring together. Fragments that overlap at birth keep their overlap.
@@ -37,12 +108,11 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
     clock.lap("find_manifolds");
 
     // Substeps: soft contacts, restitution, friction [Cat24].
-    let contact_free = ContactFreeState::new(bodies, predicted, &accounts, frame);
+    let contact_free = ContactFreeState::new(bodies, predicted, accounts, frame);
     let before = Before::of(bodies);
     let pressed_before = waiting_contacts(bodies, labels, &manifolds, warm, frame);
-    let Solved { accounts: solver_accounts, gravity, short_of_substeps, confirmed } =
+    let Solved { accounts, gravity, short_of_substeps, confirmed, impacts } =
         solve(bodies, (&manifolds, &found.neighbours), warm, frame);
-    accounts.add(solver_accounts);
 
     // Impulses of the frame: blows on waiting bodies, and loads of bonds in the next frame.
     let with_confirmed = |Manifold { pair, points }| Manifold {
@@ -52,65 +122,51 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
     let manifolds: Vec<Manifold> = manifolds.into_iter().map(with_confirmed).collect();
     let pressed_after = waiting_contacts(bodies, labels, &manifolds, warm, frame);
     let hit = hit_through_others(bodies, &manifolds, (&pressed_before, &pressed_after), frame);
-    let forces = glued_contact_forces(bodies, labels, &manifolds, warm);
-    note_carried(world, &forces);
+    let glued_forces = glued_contact_forces(bodies, labels, &manifolds, warm);
     clock.lap("solve");
-    Moved {
-        fractures,
+    let left_out = swept.left_out;
+    SolvedFrame {
         contact_free,
         gravity,
         accounts,
-        left_out: swept.left_out,
+        left_out,
         short_of_substeps,
-        quarantined,
         before,
         hit,
+        glued_forces,
+        impacts,
     }
+}
+
+/// Breaks at the frame's `start` what its impacts break. If nothing comes off, the frame stays as it
+/// is.
+fn break_struck(
+    world: &mut World,
+    start: FrameStart,
+    impacts: Vec<Impact>,
+    accounts: &mut FrameAccounts,
+    frame: &Frame,
+) -> Vec<Fracture> {
+    let local = LocalStrengths::of(world);
+    let strikes = strikes(&start.bodies, impacts, &|i, at| local.at(i, at));
+    if strikes.is_empty() {
+        return Vec::new();
+    }
+    let mut solved = FrameStart {
+        bodies: std::mem::replace(&mut world.bodies, start.bodies),
+        warm: std::mem::replace(&mut world.warm, start.warm),
+    };
+    let fractures = break_by_strikes(world, &strikes, accounts, frame);
+    if fractures.is_empty() {
+        // Strengths stay, of what cannot split.
+        std::mem::swap(&mut solved.bodies.surfaces, &mut world.bodies.surfaces);
+        (world.bodies, world.warm) = (solved.bodies, solved.warm);
+    }
+    fractures
 }
 
 /// True for two fragments of one body that broke in this frame.
 fn are_newborn_siblings(labels: &[Label], broken: &BTreeSet<u64>, pair: Pair) -> bool {
     let [first, second] = pair.both().map(|i| labels[i].parent);
     first == second && first.is_some_and(|parent| broken.contains(&id_number(parent)))
-}
-
-/// The state of a frame once nothing breaks any more.
-struct Struck {
-    fractures: Vec<Fracture>,
-    /// Ballistic, at the frame's end.
-    predicted: Vec<Pose>,
-    /// The pairs that come near each other on the way there.
-    swept: Swept,
-}
-
-/// Strikes until nothing breaks. Bodies with bad numbers are taken out before contacts are sought.
-fn strike_and_break(
-    world: &mut World,
-    accounts: &mut FrameAccounts,
-    quarantined: &mut Vec<Quarantined>,
-    frame: &Frame,
-    clock: &mut StageClock,
-) -> Struck {
-    let mut fractures = Vec::new();
-    let mut passes = 0;
-    loop {
-        take_out_faulty(world, quarantined);
-        let predicted = predict(&world.bodies, frame);
-        let swept = Swept::new(&world.bodies, &predicted, frame.speculative_margin(), frame);
-        clock.lap("find_pairs");
-        let may_break = passes < frame.settings.breaking_passes;
-        let blows = if may_break {
-            let (local, bodies) = (LocalStrengths::of(world), &mut world.bodies);
-            strike(bodies, &swept.pairs, &predicted, &|i, at| local.at(i, at), frame, accounts)
-        } else {
-            Vec::new()
-        };
-        clock.lap("strike");
-        if blows.is_empty() {
-            return Struck { fractures, predicted, swept };
-        }
-        fractures.extend(break_and_book(world, &blows, accounts, frame).0);
-        passes += 1;
-        clock.lap("break_bodies");
-    }
 }
