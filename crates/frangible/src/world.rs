@@ -103,6 +103,9 @@ pub struct Breaking {
     /// Where it is stronger than elsewhere.
     #[serde(with = "frangible_math::shared")]
     pub strength_points: Option<Arc<StrengthPoints>>,
+    /// The grid that an exact body breaks on, in the same body frame; `None` if it breaks as it is.
+    #[serde(with = "frangible_math::shared")]
+    pub solid: Option<Arc<Shape>>,
 }
 
 impl Breaking {
@@ -291,6 +294,12 @@ impl World {
     pub(crate) fn spare(&mut self, dense: usize) {
         let bears = &mut self.bodies.surfaces[dense].strength;
         self.spared.push((self.bodies.ids[dense], std::mem::replace(bears, f64::INFINITY)));
+    }
+
+    /// The shape that a body breaks as, in its body frame.
+    pub(crate) fn solid(&self, dense: usize) -> Arc<Shape> {
+        let solid = self.labels[dense].breaking.as_ref().and_then(|breaking| breaking.solid.clone());
+        solid.unwrap_or_else(|| self.bodies.shapes[dense].clone())
     }
 
     /// True if an impact may break a body.

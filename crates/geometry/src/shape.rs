@@ -89,6 +89,21 @@ impl BodyFrame {
     }
 }
 
+/// Half of the angle between axes that differ by rounding only [rad].
+const ROUNDING: f64 = 1e-9;
+
+/// Principal moments of a formula's body: those that are equal but for rounding give no axes.
+fn round_moments(form: &ClosedForm, moments: DVec3) -> DVec3 {
+    match form {
+        ClosedForm::Sphere { .. } => DVec3::splat(moments.element_sum() / 3.0),
+        ClosedForm::Cylinder { .. } | ClosedForm::Capsule { .. } | ClosedForm::Cone { .. } => {
+            let across = 0.5 * (moments.x + moments.z);
+            DVec3::new(across, moments.y, across)
+        }
+        ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => moments,
+    }
+}
+
 impl Shape {
     /// Of a ball around the centre of mass that holds the body [m]; infinite for a half-space.
     #[inline]
@@ -142,21 +157,40 @@ impl Shape {
         let mass = hull.mass_properties();
         let moments =
             DVec3::new(mass.inertia.x_axis.x, mass.inertia.y_axis.y, mass.inertia.z_axis.z);
-        // Moments that are equal but for rounding give no axes.
-        let unit_moments = match form {
-            ClosedForm::Sphere { .. } => DVec3::splat(moments.element_sum() / 3.0),
-            ClosedForm::Cylinder { .. } | ClosedForm::Capsule { .. } | ClosedForm::Cone { .. } => {
-                let across = 0.5 * (moments.x + moments.z);
-                DVec3::new(across, moments.y, across)
-            }
-            ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => moments,
-        };
         Ok(Self {
             volume: mass.volume,
-            unit_moments,
+            unit_moments: round_moments(&form, moments),
             hull: Some(Arc::new(hull)),
             ..Self::closed_form(form, sample_spacing)
         })
+    }
+
+    /// This exact shape with the mass and the body frame of a solid that was sampled from it: it
+    /// meets others exactly until it breaks on that grid, and nothing changes when it does. `None`
+    /// for what is no convex body or compound, or if a formula's axes are not principal ones.
+    pub fn with_mass_of(&self, solid: &Self) -> Option<Self> {
+        let Self { body_from_grid, volume, unit_moments, .. } = *solid;
+        let whole = Self { volume, unit_moments, samples: LazySamples::default(), ..self.clone() };
+        match &self.geometry {
+            // The centre of mass of the solid is that of the formula, but for rounding of the grid.
+            Geometry::ClosedForm(form) => {
+                let half_turn = body_from_grid.rotation.xyz().length();
+                let unit_moments = round_moments(form, unit_moments);
+                (half_turn < ROUNDING).then_some(Self { unit_moments, ..whole })
+            }
+            Geometry::Hull(hull) => {
+                let hull = hull.transformed(&body_from_grid);
+                let bounds = hull.bounds();
+                Some(Self { body_from_grid, bounds, hull: Some(Arc::new(hull)), ..whole })
+            }
+            Geometry::Compound(compound) => {
+                let compound = compound.transformed(&body_from_grid);
+                let bounds = compound.bounds();
+                let compound = Some(Arc::new(compound));
+                Some(Self { body_from_grid, bounds, compound, ..whole })
+            }
+            Geometry::Grid(_) | Geometry::Mesh(_) => None,
+        }
     }
 
     /// A convex polyhedron: exact, also where it breaks. Samples lie about `sample_spacing` [m]

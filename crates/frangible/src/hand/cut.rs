@@ -52,7 +52,7 @@ impl World {
             };
             return Ok(self.part_glued(dense, point, parts));
         }
-        let shape = self.bodies.shapes[dense].clone();
+        let shape = self.solid(dense);
         // A body that can break no more is cut all the same.
         let breaking = self.labels[dense].breaking.as_deref().cloned();
         let settings = match &breaking {
@@ -95,7 +95,7 @@ impl World {
         } else {
             let label = &self.labels[dense];
             let breaking = label.breaking.as_deref().cloned().ok_or_else(|| unbroken(label))?;
-            let shape = self.bodies.shapes[dense].clone();
+            let shape = self.solid(dense);
             let point_body = self.bodies.poses[dense].world_from_body().inverse().point(point);
             let (_, normal_body) = shape.distance_and_gradient(point_body);
             let middle = breaking.center.map(|at| shape.body_from_grid.point(at));

@@ -5,7 +5,7 @@ use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
 use crate::scene::desc::shape::ShapeDesc;
 use crate::scene::desc::{BodyDesc, Method, MotionDesc};
 use crate::scene::pattern_choice::PatternChoice;
-use crate::scene::shapes::Make;
+use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::strength::Strength;
 use crate::scene::strength_points::build_strength_points;
 use crate::world::Breaking;
@@ -23,6 +23,25 @@ pub(crate) fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method
     } else {
         Make::Voxels
     }
+}
+
+/// The exact shape of a body that breaks on the grid of `solid`, for as long as it is whole. `None`
+/// in the paper's method, whose contact is by samples, for meshes, and for bodies that ask for
+/// voxels or have a mass of their own.
+pub(crate) fn exact_until_broken(
+    desc: &BodyDesc,
+    solid: &Arc<Shape>,
+    method: Method,
+    (at, library): (&Checker, &mut ShapeLibrary),
+) -> Result<Option<Shape>, BuildError> {
+    let is_exact = desc.shape.is_convex() || matches!(desc.shape, ShapeDesc::Compound { .. });
+    let is_free = desc.shape.resolution().voxels.is_none() && desc.mass_properties.is_none();
+    let has_grid = matches!(solid.geometry, Geometry::Grid(_));
+    if !(method == Method::FrameRate && is_exact && is_free && has_grid) {
+        return Ok(None);
+    }
+    let whole = library.shape(&desc.shape, Make::Whole, &at.field("shape"))?;
+    Ok(whole.with_mass_of(solid))
 }
 
 /// A breakable body moves by itself, and is of one strength in the paper's method.
@@ -88,6 +107,7 @@ pub(crate) fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaki
         smallest,
         center,
         strength_points: build_strength_points(&desc.strength_points, at)?,
+        solid: None,
     })
 }
 

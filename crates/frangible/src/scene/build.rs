@@ -3,7 +3,9 @@
 use crate::hand::state::Hand;
 use crate::report::books::Books;
 use crate::scene::bonds::build_bonds;
-use crate::scene::breaking::{build_breaking, check_breaking, fit_to_shape, make_to_break};
+use crate::scene::breaking::{
+    build_breaking, check_breaking, exact_until_broken, fit_to_shape, make_to_break,
+};
 use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::breaking::BondsDesc;
 use crate::scene::desc::shape::{Resolution, ShapeDesc};
@@ -187,7 +189,13 @@ fn build_body(
     let make = choose_make(desc, breaking.as_ref(), method, at)?;
     let (shape, density) = build_solid(desc, make, density, at, library)?;
     check_breaking(desc, breaking.as_ref(), method, at)?;
-    let breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
+    let mut breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
+    let mut shape = shape;
+    if let Some(breaking) = &mut breaking
+        && let Some(whole) = exact_until_broken(desc, &shape, method, (at, library))?
+    {
+        breaking.solid = Some(std::mem::replace(&mut shape, Arc::new(whole)));
+    }
     let strength =
         breaking.as_ref().map_or(f64::INFINITY, |breaking| breaking.bears(&shape, density));
 

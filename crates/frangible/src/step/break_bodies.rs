@@ -208,7 +208,7 @@ fn crack(
         f64::INFINITY
     };
 
-    let shape = world.bodies.shapes[parent].clone();
+    let shape = world.solid(parent);
     let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
     let energy_of = |fragments: &[Fragment]| {
         if energy_per_area <= 0.0 {
@@ -293,15 +293,24 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
         parent: Some(world.bodies.ids[*parent]),
         look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
         breaking: if fragment.is_rest() {
-            breaking.map(|breaking| Box::new(Breaking { center: None, ..breaking.clone() }))
+            breaking.map(|breaking| {
+                Box::new(Breaking { center: None, solid: None, ..breaking.clone() })
+            })
         } else {
             breaking.filter(|breaking| breaking.generations > 1).map(|breaking| {
                 let generations = breaking.generations - 1;
                 let shatter = ShatterSettings { reach: None, ..breaking.shatter };
                 let parent = &world.bodies.shapes[*parent];
                 let strength = breaking.strength.of_fragment(parent, &fragment.shape);
-                let center = None;
-                Box::new(Breaking { generations, strength, shatter, center, ..breaking.clone() })
+                let (center, solid) = (None, None);
+                Box::new(Breaking {
+                    generations,
+                    strength,
+                    shatter,
+                    center,
+                    solid,
+                    ..breaking.clone()
+                })
             })
         },
         bonds: None,
