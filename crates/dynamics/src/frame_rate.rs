@@ -4,7 +4,7 @@
 //! Single precision within the frame, relative to its start; double precision at its end.
 
 mod confirmation;
-mod constraints;
+pub(crate) mod constraints;
 mod contact_batch;
 pub(crate) mod contact_forces;
 mod containment;
@@ -18,6 +18,7 @@ mod joint_impacts;
 mod joint_lanes;
 mod kernels;
 mod lane_bodies;
+mod largest_impacts;
 mod meeting;
 mod outline;
 mod restitution;

@@ -298,7 +298,8 @@ impl World {
 
     /// The shape that a body breaks as, in its body frame.
     pub(crate) fn solid(&self, dense: usize) -> Arc<Shape> {
-        let solid = self.labels[dense].breaking.as_ref().and_then(|breaking| breaking.solid.clone());
+        let solid =
+            self.labels[dense].breaking.as_ref().and_then(|breaking| breaking.solid.clone());
         solid.unwrap_or_else(|| self.bodies.shapes[dense].clone())
     }
 

@@ -115,8 +115,8 @@ fn a_fall_breaks_bonds_if_it_is_high() {
         linear_velocity: [1.0, 0.0, 0.5],
         bonds: Some(BondsDesc {
             pattern: Some(PatternDesc::Voronoi(Voronoi { cells: 30, ..Voronoi::default() })),
-            shear_strength: 2e6,
-            ..bonds(2e6)
+            shear_strength: 2e7,
+            ..bonds(2e7)
         }),
         ..BodyDesc::new("brick", ShapeDesc::Box { size: [1.0, 0.6, 0.8], resolution: NONE })
     };

@@ -4,6 +4,7 @@
 //! A claim builds its own small scenes, runs them and returns findings. Findings without bounds are
 //! for information.
 
+mod blows;
 mod bounce;
 mod carried;
 mod claim;
@@ -76,6 +77,11 @@ pub const CLAIMS: &[Claim] = &[
     debris::DEBRIS,
     inside::INSIDE,
     rooms::ROOMS,
+    blows::TOPPLES,
+    blows::SLIDES,
+    blows::ROLLS,
+    blows::ONE_PIECE,
+    blows::THROUGH,
 ];
 
 impl Claim {

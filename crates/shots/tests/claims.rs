@@ -279,6 +279,31 @@ fn rooms() {
 }
 
 #[test]
+fn toppling_breaks() {
+    holds("toppling-breaks");
+}
+
+#[test]
+fn sliding_breaks() {
+    holds("sliding-breaks");
+}
+
+#[test]
+fn rolling_stays_whole() {
+    holds("rolling-stays-whole");
+}
+
+#[test]
+fn one_piece_is_no_break() {
+    holds("one-piece-is-no-break");
+}
+
+#[test]
+fn blows_pass_through() {
+    holds("blows-pass-through");
+}
+
+#[test]
 #[ignore = "a minute of one core: `frangible verify` measures it"]
 fn company() {
     holds("company");

@@ -9,7 +9,7 @@ use glam::DVec3;
 pub(super) const MOST_POINTS: usize = 4;
 
 /// Normals within a quarter of a degree share a constraint: the cosine of this angle.
-pub(super) const SAME_NORMAL: f64 = 1.0 - 1e-5;
+pub(crate) const SAME_NORMAL: f64 = 1.0 - 1e-5;
 
 /// A point is near if its separation is at most this fraction of gravity's displacement in a frame
 /// ([`Frame::speculative_margin`]). Near points without a cached impulse share the impulses of

@@ -1,13 +1,10 @@
-//! Impacts of breakable bodies: what a body meets at once along one normal, which is a blow if it
-//! exceeds its strength [Su09 sec. 4.2]. The impact stage notes them; the fracture asks for them.
+//! Impacts of breakable bodies, as the impact stage notes them lane by lane.
 
-use super::constraints::{MOST_POINTS, SAME_NORMAL};
+use super::constraints::MOST_POINTS;
 use super::contact_batch::ContactBatch;
-use super::group::Group;
-use super::joint_lanes::FIXED;
 use super::solver_bodies::SolverBody;
-use frangible_bodies::{Bodies, Motion, Pair, Pose};
-use frangible_collision::{ContactPoint, Manifold};
+use frangible_bodies::{Pair, Pose};
+use frangible_collision::ContactPoint;
 use frangible_math::{Instructions, Single};
 use glam::DVec3;
 
@@ -19,8 +16,11 @@ pub struct Impact {
     pub pair: Pair,
     /// On the first body, world frame [N s].
     pub impulse: DVec3,
-    /// Start of its substep, from the frame's start [s].
+    /// Start of its substep, from the frame's start [s], and its number among the impacts of that
+    /// substep and island group: a blow comes before what it causes.
     pub time: f64,
+    /// See `time`.
+    pub number: usize,
     /// Where and along which normal, towards the first body, the impulse acts as it does, and the
     /// poses of both bodies then.
     pub contact: ContactPoint,
@@ -37,19 +37,19 @@ pub struct Impact {
 /// Impulses in the impacts of a substep, for the lanes with breakable bodies.
 #[derive(Default)]
 pub(super) struct ImpactLog {
-    entries: Vec<Entry>,
+    pub(super) entries: Vec<LaneImpact>,
 }
 
 /// The impacts of a lane.
-struct Entry {
+pub(super) struct LaneImpact {
     /// Index of the constraint.
-    number: u32,
+    pub(super) number: u32,
     /// Both bodies before the first impact of the lane in the substep.
-    bodies: [SolverBody; 2],
+    pub(super) bodies: [SolverBody; 2],
     /// Impulses of the lane in the frame before it: along normal and tangents [N s].
-    before: [f64; 3],
+    pub(super) before: [f64; 3],
     /// Normal impulses of the points [N s].
-    impulses: [f64; MOST_POINTS],
+    pub(super) impulses: [f64; MOST_POINTS],
 }
 
 impl ImpactLog {
@@ -68,137 +68,7 @@ impl ImpactLog {
             entry.impulses.iter_mut().zip(impulses).for_each(|(sum, impulse)| *sum += impulse);
         } else {
             let before = batch.frame_impulse.map(|along: Single<I>| along.get(lane));
-            self.entries.push(Entry { number, bodies, before, impulses });
-        }
-    }
-}
-
-/// The impact of a body with a partner, from the lanes of one normal.
-struct Joint {
-    /// Solver line of the body, and of its partner or [`FIXED`].
-    lines: [usize; 2],
-    /// Towards the body, world frame.
-    normal: DVec3,
-    /// On the body [N s].
-    impulse: DVec3,
-    /// Sums of the points, times their normal impulses [N s m]: from the body's centre at the
-    /// impact, and in the world frame at the frame's start.
-    at_sums: [DVec3; 2],
-    /// Sum of the normal impulses [N s], and number of points with any.
-    weight: f64,
-    points: usize,
-    /// The entry with the largest normal impulse, and that impulse [N s].
-    largest: (usize, f64),
-}
-
-impl<I: Instructions> Group<I> {
-    /// Takes the impacts of the substep that begins at `time` [s]; each pair keeps its largest.
-    pub(super) fn keep_impacts(
-        &mut self,
-        log: &mut ImpactLog,
-        (bodies, manifolds): (&Bodies, &[Manifold]),
-        time: f64,
-    ) {
-        let entries = std::mem::take(&mut log.entries);
-        let mut joints: Vec<Joint> = Vec::new();
-        for (at, entry) in entries.iter().enumerate() {
-            self.join(&mut joints, (at, entry), (bodies, manifolds));
-        }
-        for joint in joints {
-            let impact = self.impact_of(&joint, &entries, (bodies, manifolds), time);
-            let known = self.impacts.iter_mut().find(|(lines, _)| *lines == joint.lines);
-            match known {
-                Some((_, known)) if known.impulse.length() >= impact.impulse.length() => {}
-                Some((_, known)) => *known = impact,
-                None => self.impacts.push((joint.lines, impact)),
-            }
-        }
-    }
-
-    /// Adds a lane to the joint impact that it belongs to.
-    fn join(
-        &self,
-        joints: &mut Vec<Joint>,
-        (at, entry): (usize, &Entry),
-        (bodies, manifolds): (&Bodies, &[Manifold]),
-    ) {
-        let weight: f64 = entry.impulses.iter().sum();
-        let points = entry.impulses.iter().filter(|&&impulse| impulse > 0.0).count();
-        if weight <= 0.0 {
-            return;
-        }
-        let place = self.speculative.place(entry.number);
-        let (batch, lane) = (&self.batches[place.batch()], place.lane());
-        let both = self.pair_of(entry, manifolds).both();
-        let of_lane = batch.lines().map(|lines| lines[lane]);
-        let is_first = entry.bodies[0].is_movable();
-        let (side, other) = if is_first { (0, 1) } else { (1, 0) };
-        let is_static = matches!(bodies.motions[both[other]], Motion::Static);
-        let lines = [of_lane[side], if is_static { FIXED } else { of_lane[other] }];
-
-        // The lane's impulses are those on its second body, and its normal points there.
-        let axes = batch.frame_of(lane);
-        let sign = if is_first { -1.0 } else { 1.0 };
-        let given = |k: usize| batch.frame_impulse[k].get(lane) - entry.before[k];
-        let impulse = sign * (0..3).map(|k| given(k) * axes[k]).sum::<DVec3>();
-        let normal = sign * axes[0];
-
-        // Where its normal impulse acts.
-        let turn = entry.bodies[side].turn();
-        let offsets = batch.offsets.map(|offset| offset.get(lane) * axes[0]);
-        let mut at_sums = [DVec3::ZERO; 2];
-        for (point, impulse) in batch.points.iter().zip(entry.impulses) {
-            let anchors = point.anchors.map(|anchor| anchor.get(lane));
-            let on_surface = |k: usize| bodies.poses[both[k]].position + anchors[k] + offsets[k];
-            at_sums[0] += impulse * (turn * anchors[side] + offsets[side]);
-            at_sums[1] += impulse * 0.5 * (on_surface(0) + on_surface(1));
-        }
-
-        let is_along =
-            |joint: &&mut Joint| joint.lines == lines && joint.normal.dot(normal) > SAME_NORMAL;
-        if let Some(joint) = joints.iter_mut().find(is_along) {
-            joint.impulse += impulse;
-            joint.weight += weight;
-            joint.points += points;
-            joint.at_sums.iter_mut().zip(at_sums).for_each(|(sum, of_lane)| *sum += of_lane);
-            if weight > joint.largest.1 {
-                joint.largest = (at, weight);
-            }
-        } else {
-            let largest = (at, weight);
-            joints.push(Joint { lines, normal, impulse, at_sums, weight, points, largest });
-        }
-    }
-
-    fn pair_of(&self, entry: &Entry, manifolds: &[Manifold]) -> Pair {
-        manifolds[self.selections[entry.number as usize].manifold as usize].pair
-    }
-
-    fn impact_of(
-        &self,
-        joint: &Joint,
-        entries: &[Entry],
-        (bodies, manifolds): (&Bodies, &[Manifold]),
-        time: f64,
-    ) -> Impact {
-        let entry = &entries[joint.largest.0];
-        let pair = self.pair_of(entry, manifolds);
-        let both = pair.both();
-        let is_first = entry.bodies[0].is_movable();
-        let pose = |side: usize, body: SolverBody| body.pose(&bodies.poses[both[side]]);
-        let poses = [0, 1].map(|side| pose(side, entry.bodies[side]));
-        let poses_past = [0, 1].map(|side| pose(side, entry.bodies[side].drifted(self.h as f32)));
-        let (side, sign) = if is_first { (0, 1.0) } else { (1, -1.0) };
-        let point = poses[side].position + joint.at_sums[0] / joint.weight;
-        Impact {
-            pair,
-            impulse: sign * joint.impulse,
-            time,
-            contact: ContactPoint { point, normal: sign * joint.normal },
-            poses,
-            poses_past,
-            is_at_point: joint.points == 1,
-            acts_at: joint.at_sums[1] / joint.weight,
+            self.entries.push(LaneImpact { number, bodies, before, impulses });
         }
     }
 }

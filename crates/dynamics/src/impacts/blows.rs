@@ -1,6 +1,7 @@
 //! Blows: impacts above a body's strength [Su09 sec. 4.2].
 
 use crate::energy::frame_accounts::{Cause, FrameAccounts};
+use crate::frame_rate::constraints::SAME_NORMAL;
 use crate::frame_rate::impact_log::Impact;
 use crate::impulse::pair_impulse::{
     Approach, PairImpulse, approach_at, deepest_approach, impulse_for,
@@ -104,8 +105,8 @@ pub struct Strike {
 /// of the frame's start.
 pub fn strikes(bodies: &Bodies, mut impacts: Vec<Impact>, local: LocalStrength) -> Vec<Strike> {
     impacts.sort_by(|a, b| {
-        let pair = |impact: &Impact| impact.pair.both();
-        a.time.total_cmp(&b.time).then_with(|| pair(a).cmp(&pair(b)))
+        let rest = |impact: &Impact| (impact.number, impact.pair.both());
+        a.time.total_cmp(&b.time).then_with(|| rest(a).cmp(&rest(b)))
     });
     let mut strikes = Vec::new();
     for impact in impacts {
@@ -144,30 +145,39 @@ fn touch(bodies: &Bodies, impact: &Impact) -> Touch {
 }
 
 /// A collision within the frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct UpcomingImpact {
     /// Relative motion at the contact, at the frame's start.
     pub approach: Approach,
     /// Impulse that would stop the approach.
     pub impulse: PairImpulse,
-    /// Point of first touch, world frame [m].
+    /// Points that touch at once, and their middle, world frame [m].
+    pub points: Vec<DVec3>,
+    /// See `points`.
     pub point: DVec3,
-    /// Poses of both bodies at first touch.
+    /// Poses of both bodies at the touch.
     pub poses: [Pose; 2],
 }
 
-/// The next collision of a pair on the way to `predicted`, if any.
+/// The collision of a pair on the way to `predicted` with the largest impulse, if any: what rests on
+/// one end meets with the other.
 pub fn upcoming_impact(
     bodies: &Bodies,
     pair: Pair,
     predicted: &[Pose],
     frame: &Frame,
 ) -> Option<UpcomingImpact> {
-    let finder = &mut ManifoldFinder::default();
-    let (approach, (contact, poses)) = next_touch(bodies, pair, predicted, finder, frame)?;
     let surfaces = bodies.pair_surface(pair.first, pair.second);
-    let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
-    Some(UpcomingImpact { approach, impulse, point: contact.point, poses })
+    let impact = |Touching { approach, points, poses }: Touching| {
+        let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
+        let point = points.iter().sum::<DVec3>() / points.len() as f64;
+        UpcomingImpact { approach, impulse, points, point, poses }
+    };
+    let size = |impact: &UpcomingImpact| impact.impulse.at_contact.length();
+    upcoming_touches(bodies, pair, predicted, frame)
+        .into_iter()
+        .map(impact)
+        .max_by(|a, b| size(a).total_cmp(&size(b)))
 }
 
 /// Applies an impulse to a pair before the frame's motion, clamped to the available energy, and
@@ -189,41 +199,85 @@ pub fn pass_on(
     impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
 }
 
-/// Relative motion at the first touch within the frame, at the frame's start, and the touch.
-fn next_touch(
+/// Points of a manifold touch at once within this share of a frame [1].
+const AT_ONCE: f64 = 0.01;
+
+/// A touch of a pair: relative motion at the frame's start, and points and poses at the touch.
+struct Touching {
+    approach: Approach,
+    points: Vec<DVec3>,
+    poses: [Pose; 2],
+}
+
+/// Points that touch at once along one normal.
+struct JointTouch {
+    /// From the frame's start [s].
+    time: f64,
+    points: Vec<ManifoldPoint>,
+}
+
+/// Touches of a pair within the frame. Points that touch at once along one normal are one touch,
+/// which acts in their middle.
+fn upcoming_touches(
+    bodies: &Bodies,
+    pair: Pair,
+    predicted: &[Pose],
+    frame: &Frame,
+) -> Vec<Touching> {
+    let mut finder = ManifoldFinder::default();
+    let manifold = finder.find(bodies, pair, &ImpulseCache::default(), frame);
+    let mut joints: Vec<JointTouch> = Vec::new();
+    let mut is_touching = false;
+    for point in manifold.iter().flat_map(|manifold| manifold.points) {
+        let [on_first, on_second] = point.on_surfaces(bodies, pair);
+        let gap = (on_first - on_second).dot(point.normal);
+        is_touching |= gap <= 0.0;
+        let time = gap.max(0.0) / point.approach;
+        if point.approach <= 0.0 || time > frame.dt {
+            continue;
+        }
+        let is_with = |joint: &&mut JointTouch| {
+            (joint.time - time).abs() <= AT_ONCE * frame.dt
+                && joint.points[0].normal.dot(point.normal) > SAME_NORMAL
+        };
+        match joints.iter_mut().find(is_with) {
+            Some(joint) => joint.points.push(*point),
+            None => joints.push(JointTouch { time, points: vec![*point] }),
+        }
+    }
+    if joints.is_empty() && !is_touching {
+        return touch_by_rotation(bodies, pair, predicted, &mut finder).into_iter().collect();
+    }
+    joints.iter().map(|joint| joint.touching(bodies, pair, predicted, frame)).collect()
+}
+
+impl JointTouch {
+    fn touching(&self, bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Touching {
+        let share = 1.0 / self.points.len() as f64;
+        let normal = self.points[0].normal;
+        let middle = self.points.iter().map(|point| share * point.middle(bodies, pair)).sum();
+        let contact = ContactPoint { point: middle, normal };
+        let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
+        // Gravity adds to the approach speed.
+        let closing = self.points.iter().map(|point| share * point.approach).sum::<f64>();
+        let speed = approach.relative_velocity.dot(normal);
+        approach.relative_velocity -= (speed + closing) * normal;
+        let part = self.time / frame.dt;
+        let poses = pair.both().map(|i| between(&bodies.poses[i], &predicted[i], part));
+        let on_first = |point: &ManifoldPoint| {
+            poses[0].world_from_body().point(point.anchor_first) - point.rounding[0] * normal
+        };
+        Touching { approach, points: self.points.iter().map(on_first).collect(), poses }
+    }
+}
+
+/// The touch at the frame's end of a pair that nothing brings together at its start but rotation.
+fn touch_by_rotation(
     bodies: &Bodies,
     pair: Pair,
     predicted: &[Pose],
     finder: &mut ManifoldFinder,
-    frame: &Frame,
-) -> Option<(Approach, Touch)> {
-    // Find the manifold point with the earliest time of impact.
-    let manifold = finder.find(bodies, pair, &ImpulseCache::default(), frame);
-    let due = |point: &ManifoldPoint| {
-        let [on_first, on_second] = point.on_surfaces(bodies, pair);
-        let time = (on_first - on_second).dot(point.normal).max(0.0) / point.approach;
-        (point.approach > 0.0 && time <= frame.dt).then_some(time)
-    };
-    let points = manifold.iter().flat_map(|manifold| manifold.points);
-    let first =
-        points.filter_map(|point| Some((due(point)?, point))).min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((time, point)) = first {
-        let contact = ContactPoint { point: point.middle(bodies, pair), normal: point.normal };
-        let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
-        // Gravity adds to the approach speed.
-        let speed = approach.relative_velocity.dot(point.normal);
-        approach.relative_velocity -= (speed + point.approach) * point.normal;
-        let poses = [pair.first, pair.second]
-            .map(|i| between(&bodies.poses[i], &predicted[i], time / frame.dt));
-        let anchor_world = poses[0].world_from_body().point(point.anchor_first);
-        let point_world = anchor_world - point.rounding[0] * point.normal;
-        return Some((
-            approach,
-            (ContactPoint { point: point_world, normal: point.normal }, poses),
-        ));
-    }
-
-    // Fast rotation may cause a contact without an approaching point: test the end of the frame.
+) -> Option<Touching> {
     finder.penetration(bodies, pair, predicted)?;
     let (first, second) = placed(bodies, pair, predicted);
     let mut penetrations = Vec::new();
@@ -236,8 +290,11 @@ fn next_touch(
     let seen = deepest_approach(bodies, pair, &mut penetrations, predicted, &bodies.velocities)?;
     let approach = approach_at(bodies, pair, seen.contact, &bodies.poses, &bodies.velocities);
     let approaches = approach.relative_velocity.dot(seen.contact.normal) < 0.0;
-    approaches
-        .then_some((approach, (seen.contact, [predicted[pair.first], predicted[pair.second]])))
+    approaches.then_some(Touching {
+        approach,
+        points: vec![seen.contact.point],
+        poses: pair.both().map(|i| predicted[i]),
+    })
 }
 
 /// Linear interpolation of a pose by `part`, spherical for the orientation.

@@ -1,5 +1,6 @@
 //! Pair impulses: from a contact point to new velocities.
 
+use crate::frame_rate::constraints::SAME_NORMAL;
 use crate::impulse::collision_impulse::{
     Impulse, apply_impulse, collision_impulse, contact_matrix,
 };
@@ -20,8 +21,13 @@ pub struct Approach {
     pub relative_velocity: DVec3,
 }
 
+/// Depths that differ by less than this part of the smaller body's radius are those of one flat face
+/// [1]: samples are in single precision.
+const SAME_DEPTH: f64 = 1e-5;
+
 /// Deepest of the penetrations with an approaching contact: point, normal and velocities at `poses`
-/// and `velocities`. Consumes the penetrations.
+/// and `velocities`. Samples that are equally deep along one normal act in their middle: what falls
+/// flat stays flat. Consumes the penetrations.
 pub(crate) fn deepest_approach(
     bodies: &Bodies,
     pair: Pair,
@@ -30,12 +36,23 @@ pub(crate) fn deepest_approach(
     velocities: &[Velocity],
 ) -> Option<Approach> {
     let (first, second) = placed(bodies, pair, poses);
+    let [a, b] = pair.both().map(|i| bodies.radii[i]);
+    let same_depth = (SAME_DEPTH * a.min(b)) as f32;
     // The deepest penetration nearly always approaches: repeated minimum search is cheaper than
     // sorting.
     while let Some(deepest) =
         (0..penetrations.len()).min_by(|&a, &b| by_depth(&penetrations[a], &penetrations[b]))
     {
-        let contact = contact_point(first, second, &penetrations.swap_remove(deepest));
+        let deepest = penetrations.swap_remove(deepest);
+        let mut contact = contact_point(first, second, &deepest);
+        let (mut sum, mut count) = (contact.point, 1.0);
+        for other in penetrations.iter().filter(|other| other.phi <= deepest.phi + same_depth) {
+            let ContactPoint { point, normal } = contact_point(first, second, other);
+            if normal.dot(contact.normal) > SAME_NORMAL {
+                (sum, count) = (sum + point, count + 1.0);
+            }
+        }
+        contact.point = sum / count;
         let approach = approach_at(bodies, pair, contact, poses, velocities);
         if approach.relative_velocity.dot(contact.normal) < 0.0 {
             return Some(approach);

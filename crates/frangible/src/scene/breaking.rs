@@ -26,18 +26,16 @@ pub(crate) fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method
 }
 
 /// The exact shape of a body that breaks on the grid of `solid`, for as long as it is whole. `None`
-/// in the paper's method, whose contact is by samples, for meshes, and for bodies that ask for
-/// voxels or have a mass of their own.
+/// for meshes, and for bodies that ask for voxels or have a mass of their own.
 pub(crate) fn exact_until_broken(
     desc: &BodyDesc,
     solid: &Arc<Shape>,
-    method: Method,
     (at, library): (&Checker, &mut ShapeLibrary),
 ) -> Result<Option<Shape>, BuildError> {
     let is_exact = desc.shape.is_convex() || matches!(desc.shape, ShapeDesc::Compound { .. });
     let is_free = desc.shape.resolution().voxels.is_none() && desc.mass_properties.is_none();
     let has_grid = matches!(solid.geometry, Geometry::Grid(_));
-    if !(method == Method::FrameRate && is_exact && is_free && has_grid) {
+    if !(is_exact && is_free && has_grid) {
         return Ok(None);
     }
     let whole = library.shape(&desc.shape, Make::Whole, &at.field("shape"))?;

@@ -192,7 +192,7 @@ fn build_body(
     let mut breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
     let mut shape = shape;
     if let Some(breaking) = &mut breaking
-        && let Some(whole) = exact_until_broken(desc, &shape, method, (at, library))?
+        && let Some(whole) = exact_until_broken(desc, &shape, (at, library))?
     {
         breaking.solid = Some(std::mem::replace(&mut shape, Arc::new(whole)));
     }

@@ -81,9 +81,10 @@ fn members(world: &World, frame: &Frame) -> (Vec<usize>, usize) {
         }
         let overstrains = |side: usize| {
             let Some(bonds) = &world.labels[sides[side]].bonds else { return false };
-            let (load, field) = load(world, sides[side], &impact, side, frame);
+            let (loads, field) = loads(world, sides[side], &impact, side, frame);
             let mut glued = bonds.glued.clone();
-            let strains = glued.strains(&[load], field, bodies.densities[sides[side]]);
+            let loads = glued.spread(loads);
+            let strains = glued.strains(&loads, field, bodies.densities[sides[side]]);
             strains.into_iter().any(|strain| strain > 1.0)
         };
         if overstrains(0) || overstrains(1) {
@@ -115,22 +116,24 @@ fn speed(impact: &UpcomingImpact) -> f64 {
     -impact.approach.relative_velocity.dot(impact.approach.contact.normal)
 }
 
-/// A blow as it is to one side of its pair: a load in the frame of its pieces, and gravity there.
-fn load(
+/// A blow as it is to one side of its pair: a load at each point in the frame of its pieces, and
+/// gravity there.
+fn loads(
     world: &World,
     body: usize,
     impact: &UpcomingImpact,
     side: usize,
     frame: &Frame,
-) -> (PointLoad, DVec3) {
+) -> (Vec<PointLoad>, DVec3) {
     let pieces_from_body = world.bodies.shapes[body].body_from_grid.inverse();
     let in_body = impact.poses[side].world_from_body().inverse();
     let impulse = if side == 0 { impact.impulse.at_contact } else { -impact.impulse.at_contact };
-    let load = PointLoad {
-        point: pieces_from_body.point(in_body.point(impact.point)),
-        force: pieces_from_body.direction(in_body.direction(impulse / IMPACT_TIME)),
+    let share = 1.0 / impact.points.len() as f64;
+    let load = |&point: &DVec3| PointLoad {
+        point: pieces_from_body.point(in_body.point(point)),
+        force: pieces_from_body.direction(in_body.direction(share * impulse / IMPACT_TIME)),
     };
-    (load, field_in_pieces(world, body, frame))
+    (impact.points.iter().map(load).collect(), field_in_pieces(world, body, frame))
 }
 
 /// A few bodies of a world, beside it.
@@ -240,16 +243,18 @@ impl Stage {
         let mut bore = most;
         let mut breaks = [false; 2];
         for side in [0, 1] {
-            let (mut load, field) = load(&self.world, sides[side], impact, side, short);
-            load.force *= most;
+            let (mut loads, field) = loads(&self.world, sides[side], impact, side, short);
+            loads.iter_mut().for_each(|load| load.force *= most);
+            let middle = loads.iter().map(|load| load.point).sum::<DVec3>() / loads.len() as f64;
             let density = self.world.bodies.densities[sides[side]];
             let Some(bonds) = &mut self.world.labels[sides[side]].bonds else { continue };
-            let gave = bonds.glued.give_way(&[load], field, density);
+            let loads = bonds.glued.spread(loads);
+            let gave = bonds.glued.give_way(&loads, field, density);
             if gave.broken.is_empty() {
                 continue;
             }
             let names = gave.broken.iter().map(|bond| bonds.glued.name_of(bond)).collect();
-            breaks[side] = bonds.glued.comes_free(load.point);
+            breaks[side] = bonds.glued.comes_free(middle);
             if breaks[side] {
                 bore = bore.min(gave.bore * most);
             }
