@@ -188,8 +188,11 @@ impl Glued {
                 wrenches[index].angular += wrench.angular;
             }
         }
-        let between =
-            |bond: &Interface| Interface { a: block_of[bond.a], b: block_of[bond.b], ..*bond };
+        let between = |bond: &Interface| Interface {
+            a: block_of[bond.a],
+            b: block_of[bond.b],
+            ..bond.clone()
+        };
         let breakable = self.bonds.iter().filter(|bond| !self.is_within_block(bond));
         let bonds: Vec<Interface> = breakable.map(between).collect();
         let mut displacements = vec![Wrench::default(); blocks.len()];
@@ -243,7 +246,7 @@ impl Glued {
             self.bonds.retain(|bond| {
                 let holds = strains.next().is_none_or(|strain| strain < least || strain <= 1.0);
                 if !holds {
-                    gave.broken.push(*bond);
+                    gave.broken.push(bond.clone());
                 }
                 holds
             });
@@ -293,7 +296,7 @@ impl Glued {
                 .bonds
                 .iter()
                 .filter(|bond| place[bond.a].0 == island)
-                .map(|bond| Interface { a: place[bond.a].1, b: place[bond.b].1, ..*bond })
+                .map(|bond| Interface { a: place[bond.a].1, b: place[bond.b].1, ..bond.clone() })
                 .collect(),
             strength: self.strength,
             strength_points: self.strength_points.clone(),

@@ -119,12 +119,8 @@ impl GridPieces {
     /// The contacts between the pieces, in the grid frame.
     pub(crate) fn contacts(&self) -> Vec<Interface> {
         let grid_from_body = self.cut.body.body_from_grid.inverse();
-        let place = |contact: Interface| Interface {
-            centroid: grid_from_body.point(contact.centroid),
-            normal: grid_from_body.direction(contact.normal),
-            ..contact
-        };
-        interfaces(&self.fragments).into_iter().map(place).collect()
+        let contacts = interfaces(&self.fragments);
+        contacts.iter().map(|contact| contact.placed(&grid_from_body)).collect()
     }
 
     /// Signed distance from a point of the grid frame to a piece [m].

@@ -1,5 +1,6 @@
 //! Contacts between pieces of a break, with areas: sites of glue, and newly exposed crack faces.
 
+pub(crate) mod cross_section;
 pub(crate) mod hulls;
 pub(crate) mod interface;
 pub(crate) mod meshes;
@@ -56,12 +57,8 @@ pub fn interfaces_between(pieces: &[(&Shape, RigidTransform)]) -> Vec<Interface>
             | Geometry::Mesh(_) => None,
         })
         .collect();
-    let place = |contact: Interface| Interface {
-        centroid: parent_from_grid.point(contact.centroid),
-        normal: parent_from_grid.direction(contact.normal),
-        ..contact
-    };
-    voxels::contacts(&solids.unwrap_or_default()).into_iter().map(place).collect()
+    let contacts = voxels::contacts(&solids.unwrap_or_default());
+    contacts.iter().map(|contact| contact.placed(&parent_from_grid)).collect()
 }
 
 /// Of convex polyhedra and compounds of them; `None` if a piece is neither.
@@ -87,7 +84,7 @@ fn between_polyhedra(pieces: &[(&Shape, RigidTransform)]) -> Option<Vec<Interfac
     for contact in contacts {
         let (a, b) = (piece_of_hull[contact.a], piece_of_hull[contact.b]);
         if a != b {
-            sums.add((a, b), contact.area * contact.normal, contact.centroid);
+            sums.add((a, b), contact.flat_part());
         }
     }
     Some(sums.into_interfaces())

@@ -42,6 +42,7 @@ pub use generators::radial::Radial;
 pub use generators::slices::Slices;
 pub use generators::splinters::Splinters;
 pub use generators::voronoi::Voronoi;
+pub use interfaces::cross_section::CrossSection;
 pub use interfaces::interface::Interface;
 pub use interfaces::meshes::{CutPiece, mesh_interfaces};
 pub use interfaces::{interfaces, interfaces_between};

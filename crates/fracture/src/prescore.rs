@@ -239,11 +239,12 @@ fn without_slivers(
         host.triangles.extend(mesh.triangles.iter().map(|corners| corners.map(|at| at + first)));
     }
     let mut of_hosts = Contacts::default();
-    for Interface { a, b, area, centroid, normal } in contacts {
-        let (a, b) = (number[hosts[a]], number[hosts[b]]);
+    for contact in contacts {
+        let (a, b) = (number[hosts[contact.a]], number[hosts[contact.b]]);
         if a != b {
-            let normal = if a < b { normal } else { -normal };
-            of_hosts.add((a.min(b), a.max(b)), area * normal, centroid);
+            let mut part = contact.flat_part();
+            part.vector = if a < b { part.vector } else { -part.vector };
+            of_hosts.add((a.min(b), a.max(b)), part);
         }
     }
     (joined, of_hosts.into_interfaces())

@@ -2,14 +2,15 @@
 //! rigid-body-spring model [Kaw78].
 //!
 //! A bond stretches, shears, bends and twists like a short bar between the centres of its two
-//! pieces, with the face's area A and the section's moments of a square of this area. Only ratios
-//! of stiffness matter: Young's modulus is 1. Balanced displacements x solve K x = f, by conjugate
+//! pieces, with the area and the second moments of the face that they share. It twists as the
+//! rectangle with this area and this ratio of second moments. Only ratios of stiffness matter:
+//! Young's modulus is 1. Balanced displacements x solve K x = f, by conjugate
 //! gradients with the 6 x 6 blocks of the pieces as preconditioner, from the last solution on.
 //! Islands without anchor accelerate as one body, and inertia balances their loads (inertia
 //! relief).
 
 use crate::interfaces::interface::Interface;
-use frangible_geometry::parallel_axis;
+use frangible_geometry::{outer, parallel_axis};
 use frangible_math::DisjointSets;
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -68,12 +69,9 @@ pub(crate) struct Stress {
 /// Shear modulus over Young's: of Poisson's ratio 0.25, which stone and concrete have.
 const SHEAR_MODULUS: f64 = 0.4;
 
-/// Of a square with area 1: its second moment, section modulus, torsion constant and torsional
-/// section modulus [YB02, table 10.1].
-const SECOND_MOMENT: f64 = 1.0 / 12.0;
-const SECTION_MODULUS: f64 = 1.0 / 6.0;
-const TORSION_CONSTANT: f64 = 0.1406;
-const TORSION_MODULUS: f64 = 0.208;
+/// A section thinner than this part of its length, by the ratio of its principal second moments,
+/// counts as that thin [1]: faces of no width have no stiffness.
+const THINNEST: f64 = 1e-6;
 
 /// A bond counts as no shorter than this, in units of its width: pieces' centres may lie side by
 /// side.
@@ -113,6 +111,69 @@ struct Spring {
     /// Force per displacement and moment per rotation at its middle.
     stretch: DMat3,
     bend: DMat3,
+    section: Section,
+}
+
+/// The section of a bond, as bending and twisting see it.
+struct Section {
+    area: f64,
+    normal: DVec3,
+    /// Principal axes of the section in its plane, and second moments along them [m^4].
+    axes: [DVec3; 2],
+    moments: [f64; 2],
+    /// Torsion constant [m^4] and torsional section modulus [m^3].
+    torsion: [f64; 2],
+}
+
+impl Section {
+    fn new(bond: &Interface) -> Self {
+        let (area, normal) = (bond.area, bond.normal);
+        let (u, v) = normal.any_orthonormal_pair();
+        let second = &bond.section.second_moment;
+        let [uu, vv, uv] = [u.dot(*second * u), v.dot(*second * v), u.dot(*second * v)];
+        let angle = 0.5 * libm::atan2(2.0 * uv, uu - vv);
+        let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+        let half_way = libm::hypot(0.5 * (uu - vv), uv);
+        let large = (0.5 * (uu + vv) + half_way).max(f64::MIN_POSITIVE);
+        let small = (0.5 * (uu + vv) - half_way).max(THINNEST * THINNEST * large);
+        Self {
+            area,
+            normal,
+            axes: [cosine * u + sine * v, cosine * v - sine * u],
+            moments: [large, small],
+            torsion: torsion_of_rectangle(area, (small / large).sqrt()),
+        }
+    }
+
+    /// Moment per rotation, times a bond's length. A rotation opens the face by its cross product
+    /// with the lever, so it meets the second moment along the axis across its own.
+    fn bend(&self) -> DMat3 {
+        let [large, small] = self.axes.map(|axis| outer(axis, axis));
+        let along = outer(self.normal, self.normal);
+        small * self.moments[0]
+            + large * self.moments[1]
+            + along * (SHEAR_MODULUS * self.torsion[0])
+    }
+
+    /// The largest pull at the rim by a moment [Pa]: the stress that bends is linear over a face.
+    fn bending_stress(&self, moment: DVec3, rim: &[DVec3]) -> f64 {
+        let turned = self.normal.cross(moment);
+        let [one, other] =
+            [0, 1].map(|n| self.axes[n] * (self.axes[n].dot(turned) / self.moments[n]));
+        let gradient = one + other;
+        rim.iter().map(|corner| gradient.dot(*corner)).fold(0.0, f64::max)
+    }
+}
+
+/// Torsion constant [m^4] and torsional section modulus [m^3] of a rectangle of an area [m^2] and a
+/// ratio of its sides, at most 1 [YB02, table 10.1].
+fn torsion_of_rectangle(area: f64, ratio: f64) -> [f64; 2] {
+    let (a, r) = (0.5 * (area / ratio).sqrt(), ratio);
+    let b = r * a;
+    let r4 = r * r * r * r;
+    let constant = a * b * b * b * (16.0 / 3.0 - 3.36 * r * (1.0 - r4 / 12.0));
+    let peak = 1.0 + 0.6095 * r + 0.8865 * r * r - 1.8023 * r * r * r + 0.91 * r4;
+    [constant, 8.0 * a * b * b / (3.0 * peak)]
 }
 
 impl Spring {
@@ -120,15 +181,16 @@ impl Spring {
         let (a, b) = (&pieces[bond.a], &pieces[bond.b]);
         let (area, n) = (bond.area, bond.normal);
         let length = (b.center - a.center).dot(n).abs().max(SHORTEST * area.sqrt());
-        let along = frangible_geometry::outer(n, n);
+        let along = outer(n, n);
+        let section = Section::new(bond);
         let across = DMat3::IDENTITY - along;
         Self {
             a: bond.a,
             b: bond.b,
             levers: [bond.centroid - a.center, bond.centroid - b.center],
             stretch: (along + across * SHEAR_MODULUS) * (area / length),
-            bend: (across * SECOND_MOMENT + along * (SHEAR_MODULUS * TORSION_CONSTANT))
-                * (area * area / length),
+            bend: section.bend() * (1.0 / length),
+            section,
         }
     }
 
@@ -165,12 +227,11 @@ pub(crate) fn bond_stresses(
     let stress = |(spring, bond): (&Spring, &Interface)| {
         let (force, moment) = spring.pull(displacements);
         let (pull, twist) = (force.dot(bond.normal), moment.dot(bond.normal));
-        let (shear, bend) =
-            ((force - pull * bond.normal).length(), (moment - twist * bond.normal).length());
-        let cubed = bond.area * bond.area.sqrt();
+        let shear = (force - pull * bond.normal).length();
+        let Section { area, torsion: [_, torsion_modulus], .. } = spring.section;
         Stress {
-            tension: pull / bond.area + bend / (SECTION_MODULUS * cubed),
-            shear: shear / bond.area + twist.abs() / (TORSION_MODULUS * cubed),
+            tension: pull / area + spring.section.bending_stress(moment, &bond.section.rim),
+            shear: shear / area + twist.abs() / torsion_modulus,
         }
     };
     springs.iter().zip(bonds).map(stress).collect()

@@ -62,7 +62,7 @@ fn a_box_cut_by_a_tilted_plane_has_the_section_as_contact() {
         }
         let plane = solid(&fragments[0].shape).outline.cuts[0];
         let [contact] = interfaces(&fragments).try_into().unwrap();
-        let Interface { a, b, area, centroid, normal } = contact;
+        let Interface { a, b, area, centroid, normal, .. } = contact;
         assert_eq!((a, b), (0, 1));
         assert!(
             (area / section(&plane) - 1.0).abs() < 0.04,

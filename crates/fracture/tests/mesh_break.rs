@@ -3,11 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use frangible_fracture::{
-    Concrete, CutPiece, Cutter, Fragment, Impact, Interface, Pattern, Placement, Voronoi,
-    break_on_grid, cutters, interfaces, mesh_interfaces, resurfaced,
+    Concrete, CrossSection, CutPiece, Cutter, Fragment, Impact, Interface, Pattern, Placement,
+    Voronoi, break_on_grid, cutters, interfaces, mesh_interfaces, resurfaced,
 };
 use frangible_geometry::{Hull, Shape, TriMesh};
 use glam::DVec3;
+use std::sync::Arc;
 
 const HALF: DVec3 = DVec3::new(0.5, 0.3, 0.4);
 const IMPACT: Impact = Impact { point_body: DVec3::new(0.1, 0.3, -0.05), normal_body: DVec3::Y };
@@ -131,6 +132,7 @@ fn a_crack_through_two_prongs_has_a_contact_in_each() {
         area: 0.04,
         centroid: DVec3::X * x,
         normal: DVec3::Y,
+        section: Arc::new(CrossSection::square(0.04, DVec3::Y)),
     });
     assert_eq!(contacts.len(), 2);
     for (found, wanted) in contacts.iter().zip(&expected) {

@@ -1,5 +1,6 @@
 //! Contacts of convex polyhedra: overlaps of coplanar faces.
 
+use crate::interfaces::cross_section::FlatPart;
 use crate::interfaces::interface::{Contacts, Interface};
 use crate::polygon;
 use crate::slivers::Contact;
@@ -73,10 +74,8 @@ fn add_contact(contacts: &mut Contacts, pair: (usize, usize), (a, b): (&Hull, &H
             if !in_plane || face.plane.normal.dot(other.plane.normal) > 0.0 {
                 continue;
             }
-            if let Some((area, centroid)) =
-                overlap_of_faces(&polygon_a, &polygon_b, face.plane.normal)
-            {
-                contacts.add(pair, area * face.plane.normal, centroid);
+            if let Some(part) = overlap_of_faces(&polygon_a, &polygon_b, face.plane.normal) {
+                contacts.add(pair, part);
             }
         }
     }
@@ -87,17 +86,16 @@ fn separates(plane: &HalfSpace, hull: &Hull, near: f64) -> bool {
     hull.vertices().iter().all(|&vertex| plane.distance(vertex) >= -near)
 }
 
-/// Area [m^2] and centroid [m] of the common part of two convex polygons in the plane with this
-/// normal, which is that of the first and the other way round that of the second; `None` if they
-/// touch along an edge at most.
+/// The common part of two convex polygons in the plane with this normal, which is that of the first
+/// and the other way round that of the second; `None` if they touch along an edge at most.
 pub(super) fn overlap_of_faces(
     polygon_a: &[DVec3],
     polygon_b: &[DVec3],
     normal: DVec3,
-) -> Option<(f64, DVec3)> {
+) -> Option<FlatPart> {
     let smaller = polygon::area(polygon_a).min(polygon::area(polygon_b));
-    let (area, centroid) = polygon::area_and_centroid(&overlap(polygon_a, polygon_b, normal));
-    (area > SMALLEST_OVERLAP * smaller).then_some((area, centroid))
+    let part = FlatPart::of_polygon(&overlap(polygon_a, polygon_b, normal), normal)?;
+    (part.vector.length() > SMALLEST_OVERLAP * smaller).then_some(part)
 }
 
 /// The common part of the two.

@@ -64,9 +64,9 @@ pub(crate) fn mesh_interfaces_within(pieces: &[CutPiece], apart: f64) -> Vec<Int
             let (a, b) = if first.piece < second.piece { (first, second) } else { (second, first) };
             let from_plane = |corner: &DVec3| (a.normal.dot(*corner - a.corners[0])).abs();
             if b.corners.iter().all(|corner| from_plane(corner) <= near)
-                && let Some((area, centroid)) = overlap_of_faces(&a.corners, &b.corners, a.normal)
+                && let Some(part) = overlap_of_faces(&a.corners, &b.corners, a.normal)
             {
-                contacts.add((a.piece, b.piece), area * a.normal, centroid);
+                contacts.add((a.piece, b.piece), part);
             }
         });
     }

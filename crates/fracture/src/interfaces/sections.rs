@@ -1,8 +1,9 @@
 //! Sections of crack planes: where two pieces on a lattice touch, by their exact planes and the
 //! body's surface.
 
-use frangible_geometry::{GridSolid, HalfSpace};
-use glam::{DVec2, DVec3};
+use crate::interfaces::cross_section::{CrossSection, Farthest, FlatPart};
+use frangible_geometry::{GridSolid, HalfSpace, outer};
+use glam::{DMat3, DVec2, DVec3};
 
 /// Points of a section per voxel face: contacts of ten voxels a side are then within half a
 /// percent. With 16 a break into 10 pieces takes half as long again.
@@ -28,15 +29,15 @@ pub(super) fn axes(plane: &HalfSpace) -> [DVec3; 2] {
     [across, along]
 }
 
-/// Area [m^2] and sum of points times area [m^3] of the part of a plane that lies in both of two
-/// solids, within the rectangle from `low` to `high` along its [`axes`] [m]. `is_between` tells if
-/// a point lies between voxels of both. `None` for solids that are not clipped by planes.
+/// The part of a plane that lies in both of two solids, within the rectangle from `low` to `high`
+/// along its [`axes`] [m]. `is_between` tells if a point lies between voxels of both. `None` for
+/// solids that are not clipped by planes.
 pub(super) fn section(
     [a, b]: [&GridSolid; 2],
     plane: &HalfSpace,
     (low, high): (DVec2, DVec2),
     is_between: impl Fn(DVec3) -> bool,
-) -> Option<(f64, DVec3)> {
+) -> Option<FlatPart> {
     if a.parts().is_empty() || b.parts().is_empty() {
         return None;
     }
@@ -47,19 +48,32 @@ pub(super) fn section(
     let faces = width * height / (spacing * spacing);
     let count = (POINTS_PER_FACE * faces).clamp(LEAST_POINTS, MOST_POINTS) as usize;
     let slack = ON_PLANE * spacing;
-    let mut held = 0_usize;
-    let mut sum = DVec3::ZERO;
+    // Of points seen from the corner.
+    let (mut held, mut sum, mut squares) = (0_usize, DVec3::ZERO, DMat3::ZERO);
+    let mut farthest = Farthest::default();
     for n in 1..=count {
         let [u, v] = FILLS.map(|fill| {
             let multiple = n as f64 * fill;
             multiple - multiple.floor()
         });
-        let point = corner + width * u * across + height * v * along;
+        let from_corner = width * u * across + height * v * along;
+        let point = corner + from_corner;
         if a.holds(point, slack) && b.holds(point, slack) && is_between(point) {
             held += 1;
-            sum += point;
+            sum += from_corner;
+            squares += outer(from_corner, from_corner);
+            farthest.add(point);
         }
     }
     let share = width * height / count as f64;
-    Some((share * held as f64, share * sum))
+    let mean = sum / held.max(1) as f64;
+    let centroid = corner + mean;
+    Some(FlatPart {
+        vector: share * held as f64 * plane.normal,
+        centroid,
+        section: CrossSection {
+            second_moment: (squares - outer(mean, mean) * held as f64) * share,
+            rim: farthest.rim(centroid),
+        },
+    })
 }

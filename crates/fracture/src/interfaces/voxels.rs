@@ -1,9 +1,10 @@
 //! Contacts of pieces on one lattice: the faces between their voxels.
 
+use crate::interfaces::cross_section::{CrossSection, Farthest, FlatPart};
 use crate::interfaces::interface::{Contacts, Interface};
 use crate::interfaces::sections::{axes, section};
-use frangible_geometry::{Grid, GridSolid, HalfSpace};
-use glam::{DVec2, DVec3};
+use frangible_geometry::{Grid, GridSolid, HalfSpace, outer};
+use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Maximum difference of two sides of one crack plane, in units of the spacing.
@@ -31,7 +32,15 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
         // Of a smooth surface the faces across an axis have the area of its shadow along it.
         if let Some(normal) = rough_normal(solids[a as usize], solids[b as usize], face.center) {
             let area = spacing * spacing * face.filled * normal.dot(face.direction).max(0.0);
-            contacts.add((a as usize, b as usize), area * normal, face.center);
+            let part = FlatPart {
+                vector: area * normal,
+                centroid: face.center,
+                section: CrossSection {
+                    second_moment: face.spread(spacing) * area,
+                    rim: face.corners(spacing).map(|corner| corner - face.center).to_vec(),
+                },
+            };
+            contacts.add((a as usize, b as usize), part);
             return;
         }
         let shared = planes
@@ -39,7 +48,7 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             .or_insert_with(|| shared_planes(solids[a as usize], solids[b as usize], spacing));
         let part = face.part(shared, spacing);
         let plane = if let Part::OnPlane(plane) = part { Some(&shared[plane]) } else { None };
-        parts.entry((a, b, part)).or_default().add(&face, plane);
+        parts.entry((a, b, part)).or_default().add(&face, spacing, plane);
     });
 
     // Cracks at a slant leave the material between nodes.
@@ -49,7 +58,8 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             let (a, b) = (face.pieces.0.min(other), face.pieces.0.max(other));
             let direction = if a == other { -face.direction } else { face.direction };
             if let Some(sum) = parts.get_mut(&(a, b, Part::OnPlane(plane))) {
-                sum.add(&Face { direction, ..face }, Some(&planes[&(a, b)][plane]));
+                let plane = &planes[&(a, b)][plane];
+                sum.add(&Face { direction, ..face }, spacing, Some(plane));
             }
         }
     });
@@ -63,10 +73,8 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             let pair = [a, b].map(|piece| solids[piece as usize]);
             let around = (sum.low - reach, sum.high + reach);
             let is_between = |point| lattice.is_between([a, b], point);
-            if let Some((area, moment)) = section(pair, plane, around, is_between) {
-                if area > 0.0 {
-                    contacts.add((a as usize, b as usize), area * plane.normal, moment / area);
-                }
+            if let Some(part) = section(pair, plane, around, is_between) {
+                contacts.add((a as usize, b as usize), part);
                 continue;
             }
         }
@@ -77,7 +85,7 @@ pub(super) fn contacts(solids: &[&GridSolid]) -> Vec<Interface> {
             }
             Part::InCube(_) => sum.vector,
         };
-        contacts.add((a as usize, b as usize), spacing * spacing * vector, sum.moment / sum.weight);
+        contacts.add((a as usize, b as usize), sum.flat_part(spacing * spacing * vector));
     }
     contacts.into_interfaces()
 }
@@ -92,7 +100,6 @@ enum Part {
 }
 
 /// The voxel faces of one part.
-#[derive(Clone, Copy)]
 struct PartSum {
     /// Number of faces, weighted by their fill.
     weight: f64,
@@ -100,6 +107,9 @@ struct PartSum {
     vector: DVec3,
     /// Sum of their centres, grid frame [m].
     moment: DVec3,
+    /// Sum of the integrals of `x x^T` over each, relative to its area [m^2].
+    second_moment: DMat3,
+    farthest: Farthest,
     /// On a plane the lowest and highest corner of the rectangle around their centres, along the
     /// plane's [`axes`] [m].
     low: DVec2,
@@ -112,6 +122,8 @@ impl Default for PartSum {
             weight: 0.0,
             vector: DVec3::ZERO,
             moment: DVec3::ZERO,
+            second_moment: DMat3::ZERO,
+            farthest: Farthest::default(),
             low: DVec2::INFINITY,
             high: DVec2::NEG_INFINITY,
         }
@@ -119,15 +131,29 @@ impl Default for PartSum {
 }
 
 impl PartSum {
-    fn add(&mut self, face: &Face, plane: Option<&HalfSpace>) {
+    fn add(&mut self, face: &Face, spacing: f64, plane: Option<&HalfSpace>) {
         self.weight += face.filled;
         self.vector += face.filled * face.direction;
         self.moment += face.filled * face.center;
+        self.second_moment +=
+            (outer(face.center, face.center) + face.spread(spacing)) * face.filled;
+        face.corners(spacing).into_iter().for_each(|corner| self.farthest.add(corner));
         if let Some(plane) = plane {
             let at = DVec2::from_array(axes(plane).map(|axis| axis.dot(face.center)));
             self.low = self.low.min(at);
             self.high = self.high.max(at);
         }
+    }
+
+    /// With a vector area [m^2] that all faces together stand for.
+    fn flat_part(&self, vector: DVec3) -> FlatPart {
+        let centroid = self.moment / self.weight;
+        let spread = self.second_moment * (1.0 / self.weight) - outer(centroid, centroid);
+        let section = CrossSection {
+            second_moment: spread * vector.length(),
+            rim: self.farthest.rim(centroid),
+        };
+        FlatPart { vector, centroid, section }
     }
 }
 
@@ -187,6 +213,20 @@ impl<'a> Rims<'a> {
 }
 
 impl Face {
+    /// Integral of `r r^T` over it relative to its area, `r` from its centre [m^2].
+    fn spread(&self, spacing: f64) -> DMat3 {
+        DMat3::from_diagonal((DVec3::ONE - self.direction.abs()) * (spacing * spacing / 12.0))
+    }
+
+    fn corners(&self, spacing: f64) -> [DVec3; 4] {
+        let axis = self.direction.abs();
+        let [across, along] =
+            [DVec3::new(axis.y, axis.z, axis.x), DVec3::new(axis.z, axis.x, axis.y)];
+        let half = 0.5 * spacing;
+        [(-half, -half), (half, -half), (half, half), (-half, half)]
+            .map(|(u, v)| self.center + u * across + v * along)
+    }
+
     fn part(&self, planes: &[HalfSpace], spacing: f64) -> Part {
         let away = |plane: usize| planes[plane].distance(self.center).abs();
         let nearest = (0..planes.len()).min_by(|&p, &q| away(p).total_cmp(&away(q)));

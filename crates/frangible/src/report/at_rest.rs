@@ -44,7 +44,7 @@ pub(crate) fn at_rest<'a>(
         position: parent_from_piece.translation.to_array(),
         orientation: parent_from_piece.rotation.to_array(),
     };
-    let contact = |Interface { a, b, area, centroid, normal }: Interface| PieceContact {
+    let contact = |Interface { a, b, area, centroid, normal, .. }: Interface| PieceContact {
         pieces: [a, b],
         area,
         point: centroid.to_array(),

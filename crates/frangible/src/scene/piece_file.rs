@@ -3,11 +3,12 @@
 
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::shape::ShapeDesc;
-use frangible_fracture::{Interface, closed_parts};
+use frangible_fracture::{CrossSection, Interface, closed_parts};
 use frangible_geometry::{MassProperties, TriMesh, mesh_io, read_file};
 use glam::DVec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Pieces in the frame of a mesh shape.
 pub(crate) struct PieceFile {
@@ -125,12 +126,15 @@ fn contacts_beside(path: &Path, meshes: &[TriMesh], scale: f64) -> Option<Vec<In
             let b = report.pieces.iter().position(|other| other.name == beside.name)?;
             let (a, b) = (a?, number[b]?);
             if a < b {
+                let area = scale * scale * beside.area_m2;
+                let normal = DVec3::from_array(beside.normal);
                 contacts.push(Interface {
                     a,
                     b,
-                    area: scale * scale * beside.area_m2,
+                    area,
                     centroid: scale * DVec3::from_array(beside.centroid_m),
-                    normal: DVec3::from_array(beside.normal),
+                    normal,
+                    section: Arc::new(CrossSection::square(area, normal)),
                 });
             }
         }
