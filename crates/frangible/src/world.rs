@@ -112,7 +112,18 @@ impl Breaking {
     /// The largest impulse that a body bears where it is weakest [N s].
     pub(crate) fn bears(&self, shape: &Shape, density: f64) -> f64 {
         let least = self.strength_points.as_ref().map_or(1.0, |points| points.least());
-        least * self.strength.bears(shape, density)
+        least * self.strength.least(shape, density)
+    }
+
+    /// The largest impulse that a body bears at a point of its frame [m], if it `bears` the other
+    /// where it is weakest [N s].
+    pub(crate) fn bears_at(&self, shape: &Shape, density: f64, point: DVec3, bears: f64) -> f64 {
+        let Some(points) = &self.strength_points else {
+            return self.strength.at(shape, density, (point, bears));
+        };
+        let least = bears / points.least();
+        let point_grid = shape.body_from_grid.inverse().point(point);
+        points.factor(point_grid) * self.strength.at(shape, density, (point, least))
     }
 }
 

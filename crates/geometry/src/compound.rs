@@ -8,9 +8,11 @@ use crate::hull::Hull;
 use crate::hull::samples::hull_samples;
 use crate::mass_properties::{MassProperties, parallel_axis};
 use crate::mesh::Surface;
+use crate::mesh_boundary::MeshBoundary;
 use frangible_math::RigidTransform;
 use glam::{DMat3, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// Convex polyhedra in one frame. Parts may touch; common faces are *glued*: the space between is
 /// inside. The mass of overlaps counts twice.
@@ -20,6 +22,9 @@ pub struct Compound {
     parts: Vec<Part>,
     #[serde(skip_serializing)]
     tree: Bvh,
+    /// Made when it is asked for.
+    #[serde(skip_serializing)]
+    boundary: OnceLock<MeshBoundary>,
 }
 
 /// What a snapshot holds of a compound.
@@ -31,7 +36,7 @@ struct CompoundRecord {
 impl From<CompoundRecord> for Compound {
     fn from(CompoundRecord { parts }: CompoundRecord) -> Self {
         let bounds: Vec<(DVec3, DVec3)> = parts.iter().map(|part| part.bounds).collect();
-        Self { tree: Bvh::of_boxes(&bounds), parts }
+        Self { tree: Bvh::of_boxes(&bounds), parts, boundary: OnceLock::new() }
     }
 }
 
@@ -67,7 +72,7 @@ impl Compound {
             bounds,
         };
         let parts = hulls.into_iter().zip(bounds).map(part).collect();
-        let mut compound = Self { parts, tree };
+        let mut compound = Self { parts, tree, boundary: OnceLock::new() };
         let glued: Vec<Vec<bool>> =
             (0..compound.parts.len()).map(|index| compound.glued(index)).collect();
         for (part, glued) in compound.parts.iter_mut().zip(glued) {
@@ -100,7 +105,7 @@ impl Compound {
             glued: part.glued.clone(),
         };
         let parts = hulls.into_iter().zip(bounds).zip(&self.parts).map(part).collect();
-        Self { parts, tree }
+        Self { parts, tree, boundary: OnceLock::new() }
     }
 
     /// Volume, centre and inertia at unit density: the parts' together.
@@ -215,13 +220,7 @@ impl Compound {
     /// overlap, the surfaces of all, each closed. Of these, and what cracks made, glued faces count
     /// as interior.
     pub fn surface(&self) -> Surface {
-        let hulls: Vec<&Hull> = self.parts.iter().map(|part| &part.hull).collect();
-        let close = self.close();
-        let beside = |index: usize| {
-            let (low, high) = self.parts[index].bounds;
-            self.parts_near(low - close, high + close)
-        };
-        if let Some(surface) = outer_surface(&hulls, beside, close) {
+        if let Some(surface) = self.outer_surface() {
             return surface;
         }
         let mut surface = Surface::default();
@@ -230,6 +229,27 @@ impl Compound {
                 .add_surface(&mut surface, |face| part.glued[face] || part.hull.face(face).inner);
         }
         surface
+    }
+
+    /// The surface without what parts hide of one another; `None` where they overlap.
+    fn outer_surface(&self) -> Option<Surface> {
+        let hulls: Vec<&Hull> = self.parts.iter().map(|part| &part.hull).collect();
+        let close = self.close();
+        let beside = |index: usize| {
+            let (low, high) = self.parts[index].bounds;
+            self.parts_near(low - close, high + close)
+        };
+        outer_surface(&hulls, beside, close)
+    }
+
+    /// The triangles that separate inside from outside; `None` where parts overlap.
+    pub fn outer_boundary(&self) -> Option<MeshBoundary> {
+        self.outer_surface().map(|surface| MeshBoundary::of_mesh(&surface.mesh))
+    }
+
+    /// The triangles of [`Compound::surface`].
+    pub(crate) fn boundary(&self) -> &MeshBoundary {
+        self.boundary.get_or_init(|| MeshBoundary::of_mesh(&self.surface().mesh))
     }
 
     /// True if a neighbouring part covers a surface point in the direction of `normal`: the normal
@@ -269,7 +289,7 @@ impl Compound {
     }
 
     /// Tolerance of touching [m].
-    fn close(&self) -> f64 {
+    pub(crate) fn close(&self) -> f64 {
         let (low, high) = self.bounds();
         TOUCHING * (high - low).max_element()
     }

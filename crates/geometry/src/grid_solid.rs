@@ -10,6 +10,7 @@ use crate::hull::Hull;
 use crate::level_set::LevelSet;
 use crate::mass_properties::MassProperties;
 use crate::mass_properties::NoMass;
+use crate::mesh_boundary::MeshBoundary;
 use crate::moments::Portion;
 use crate::outline_clip::{Clip, distances_over, larger};
 use crate::run_core::RunCore;
@@ -42,6 +43,9 @@ pub struct GridSolid {
     held: Held,
     /// The exact surfaces behind the samples, so that edges stay sharp.
     pub outline: Outline,
+    /// The triangles behind the samples, if the body was one of triangles before any break.
+    #[serde(with = "frangible_math::shared")]
+    boundary: Option<Arc<MeshBoundary>>,
     /// Distances at the nodes of `grid`, made when they are asked for.
     #[serde(skip)]
     nodes: OnceLock<Arc<LevelSet>>,
@@ -127,8 +131,20 @@ impl GridSolid {
             parts: Vec::new(),
             convex: false,
             outline: Outline { root, cuts: Vec::new(), rough: Vec::new() },
+            boundary: None,
             nodes: OnceLock::new(),
         }
+    }
+
+    /// The same with the triangles that it was sampled from: samples do not tell how thick a wall of
+    /// few voxels is.
+    pub fn with_boundary(self, boundary: MeshBoundary) -> Self {
+        Self { boundary: Some(Arc::new(boundary)), ..self }
+    }
+
+    /// The triangles behind the samples, of the body before any break.
+    pub fn boundary(&self) -> Option<&MeshBoundary> {
+        self.boundary.as_deref()
     }
 
     /// The part of this solid that lies in any of some intersections of half-spaces, on its part of
@@ -208,6 +224,7 @@ impl GridSolid {
             parts: Vec::new(),
             convex: false,
             outline: self.outline.clone(),
+            boundary: self.boundary.clone(),
             nodes: OnceLock::new(),
         }
     }

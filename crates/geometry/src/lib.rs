@@ -47,6 +47,7 @@ mod solid_boundary;
 mod static_mesh;
 mod surface_samples;
 mod texture;
+mod thickness;
 mod vertex_placement;
 mod voxel_bounds;
 mod voxel_runs;

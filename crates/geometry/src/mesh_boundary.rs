@@ -3,8 +3,10 @@
 
 use crate::bvh::{Bvh, closest_point_on_triangle};
 use crate::contour_mesh::Vertex;
+use crate::mesh::TriMesh;
 use crate::qef::Qef;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Planes within this distance of a vertex form its feature, in voxels: a vertex of the contour
 /// lies up to half a voxel beside its edge.
@@ -25,16 +27,73 @@ const SAME_PLANE: f64 = 1e-3;
 const TRUNCATION: f64 = 0.02;
 
 /// Triangles with outside in front and inside behind.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "BoundaryRecord")]
 pub struct MeshBoundary {
     triangles: Vec<[DVec3; 3]>,
+    #[serde(skip_serializing)]
     tree: Bvh,
+}
+
+/// What a snapshot holds of them.
+#[derive(Deserialize)]
+struct BoundaryRecord {
+    triangles: Vec<[DVec3; 3]>,
+}
+
+impl From<BoundaryRecord> for MeshBoundary {
+    fn from(BoundaryRecord { triangles }: BoundaryRecord) -> Self {
+        Self::new(triangles)
+    }
 }
 
 impl MeshBoundary {
     /// Of triangles [m].
     pub fn new(triangles: Vec<[DVec3; 3]>) -> Self {
         Self { tree: Bvh::new(&triangles), triangles }
+    }
+
+    /// Of all triangles of a mesh.
+    pub(crate) fn of_mesh(mesh: &TriMesh) -> Self {
+        Self::new((0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)).collect())
+    }
+
+    /// Unit normal of a triangle, outward; any for one without area.
+    pub(crate) fn normal(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.triangles[triangle];
+        (b - a).cross(c - a).normalize_or(DVec3::Y)
+    }
+
+    /// The nearest point of the triangles of which the nearest points are `shown`, and its triangle.
+    pub(crate) fn nearest(
+        &self,
+        point: DVec3,
+        is_shown: impl Fn(DVec3) -> bool,
+    ) -> Option<(DVec3, usize)> {
+        // Hidden ones are few: look again without them.
+        let mut hidden = Vec::new();
+        loop {
+            let wanted = |triangle: usize| !hidden.contains(&triangle);
+            let closest = self.tree.closest_of(point, f64::INFINITY, wanted)?;
+            if is_shown(closest.point) {
+                return Some((closest.point, closest.triangle));
+            }
+            hidden.push(closest.triangle);
+        }
+    }
+
+    /// Visits the triangles within `reach` of a point [m], each with its nearest point.
+    pub(crate) fn visit_near(&self, point: DVec3, reach: f64, mut visit: impl FnMut(usize, DVec3)) {
+        let is_near = |other: DVec3| point.distance_squared(other) <= reach * reach;
+        self.tree.visit(
+            |low, high| is_near(point.clamp(low, high)),
+            |triangle| {
+                let at = closest_point_on_triangle(point, &self.triangles[triangle]);
+                if is_near(at) {
+                    visit(triangle, at);
+                }
+            },
+        );
     }
 
     /// Moves a vertex of the dual contour onto the triangles: onto the corner or edge that lies

@@ -33,9 +33,10 @@ pub struct Blow {
     pub borne: f64,
 }
 
-/// How much stronger a body, by dense index, is at a point of its frame [m] than where it is
-/// weakest; at least 1.
-pub type LocalStrength<'a> = &'a dyn Fn(usize, DVec3) -> f64;
+/// Strength of a body, by dense index, at a point of its frame [m]: the largest impulse before it
+/// breaks [N s]. At least its strength where it is weakest, `bodies.surfaces[i].strength`, and asked
+/// of breakable bodies for impulses above that alone.
+pub type LocalStrength<'a> = &'a dyn Fn(&Bodies, usize, DVec3) -> f64;
 
 /// First contact point of a pair, and the poses of both bodies at first touch.
 pub(crate) type Touch = (ContactPoint, [Pose; 2]);
@@ -57,7 +58,7 @@ pub(crate) fn blows_of(
     let strength = |i: usize, pose: Pose| {
         let strength = bodies.strength(i);
         let point = || pose.world_from_body().inverse().point(contact.point);
-        if strength.is_finite() { strength * local(i, point()) } else { strength }
+        if strength.is_finite() { local(bodies, i, point()) } else { strength }
     };
     let borne = strength(pair.first, pose_first).min(strength(pair.second, pose_second));
     if size <= borne {

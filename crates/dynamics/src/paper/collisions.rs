@@ -120,7 +120,7 @@ impl Collisions {
         let both = pair.both();
         let (now, ends) = (both.map(|i| bodies.poses[i]), both.map(|i| self.predicted[i]));
         let acts = (approach.contact.point, impulse.at_contact.length());
-        blows_of(bodies, pair, acts, &|_, _| 1.0, || {
+        blows_of(bodies, pair, acts, &|bodies, i, _| bodies.surfaces[i].strength, || {
             first_contact(bodies, pair, [&now, &ends]).unwrap_or((approach.contact, ends))
         })
     }

@@ -230,6 +230,10 @@ fn from_parts(
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
     let level_set = LevelSet::sample(grid, |point| compound.distance_and_gradient(point).0);
     let solid = GridSolid::from_level_set(level_set);
+    let solid = match compound.outer_boundary() {
+        Some(boundary) => solid.with_boundary(boundary),
+        None => solid,
+    };
     sampled(solid, |_, spacing| compound.samples(spacing), resolution, at)
 }
 
@@ -326,7 +330,7 @@ fn from_mesh(
     let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
     let (level_set, boundary) = solids_and_boundary(&clean, grid)
         .map_err(|error| BuildError::Sampling { path: name.into(), error })?;
-    let solid = GridSolid::from_level_set(level_set);
+    let solid = GridSolid::from_level_set(level_set).with_boundary(boundary.clone());
     sampled(solid, |solid, spacing| mesh_samples(solid, &boundary, spacing), resolution, at)
 }
 

@@ -1,28 +1,18 @@
-//! Bodies that are stronger at one place than at another.
+//! What bodies bear where they are struck.
 
-use crate::world::{Label, World};
-use frangible_fracture::StrengthPoints;
-use frangible_math::RigidTransform;
+use crate::world::Label;
+use frangible_bodies::Bodies;
 use glam::DVec3;
-use std::collections::BTreeMap;
-use std::sync::Arc;
 
-/// Those with strength points, by dense index, and the frames of their points; few have any.
-pub(crate) struct LocalStrengths(BTreeMap<usize, (Arc<StrengthPoints>, RigidTransform)>);
-
-impl LocalStrengths {
-    pub(crate) fn of(World { bodies, labels, .. }: &World) -> Self {
-        let varied = |(i, label): (usize, &Label)| {
-            let points = label.breaking.as_ref()?.strength_points.clone()?;
-            Some((i, (points, bodies.shapes[i].body_from_grid.inverse())))
-        };
-        Self(labels.iter().enumerate().filter_map(varied).collect())
-    }
-
-    /// How much stronger a body is at a point of its frame [m] than where it is weakest.
-    pub(crate) fn at(&self, i: usize, point_body: DVec3) -> f64 {
-        self.0.get(&i).map_or(1.0, |(points, grid_from_body)| {
-            points.factor(grid_from_body.point(point_body)) / points.least()
-        })
+/// The largest impulse that a breakable body, by dense index, bears at a point of its frame [m]: by
+/// its thickness there, and by its strength points [N s]. At least what it bears where it is
+/// weakest, `bodies.surfaces[i].strength`, which is asked first.
+pub(crate) fn bears_at(bodies: &Bodies, labels: &[Label], i: usize, point_body: DVec3) -> f64 {
+    let bears = bodies.surfaces[i].strength;
+    let (shape, density) = (&bodies.shapes[i], bodies.densities[i]);
+    // What stays whole in this frame bears all.
+    match &labels[i].breaking {
+        Some(breaking) if bears.is_finite() => breaking.bears_at(shape, density, point_body, bears),
+        _ => bears,
     }
 }

@@ -3,7 +3,7 @@
 use crate::report::{Fracture, id_number};
 use crate::step::bonds::{glued_contact_forces, note_carried};
 use crate::step::break_bodies::break_by_strikes;
-use crate::step::local_strength::LocalStrengths;
+use crate::step::local_strength::bears_at;
 use crate::step::moved::Moved;
 use crate::step::quarantine::{Before, take_out_faulty};
 use crate::step::stage_clock::StageClock;
@@ -147,8 +147,8 @@ fn break_struck(
     accounts: &mut FrameAccounts,
     frame: &Frame,
 ) -> Vec<Fracture> {
-    let local = LocalStrengths::of(world);
-    let strikes = strikes(&start.bodies, impacts, &|i, at| local.at(i, at));
+    let local = |bodies: &Bodies, i, at| bears_at(bodies, &world.labels, i, at);
+    let strikes = strikes(&start.bodies, impacts, &local);
     if strikes.is_empty() {
         return Vec::new();
     }
