@@ -12,7 +12,7 @@ import numpy as np
 from . import _frangible
 from ._frangible import BuildError
 from .first_touch import first_touch
-from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, readable_mesh
+from .io.mesh_files import USD_ENDINGS, check_ending, mesh_frame, mesh_strength, readable_mesh
 from .io.reading import file_fault
 from .material_presets import PRESETS
 from .recording import Float64
@@ -78,14 +78,15 @@ def mesh_scene(path: str | os.PathLike[str], wishes: Wishes) -> SceneDesc:
     # USD is read in metres, y up.
     world: Float64 = points if name.lower().endswith(USD_ENDINGS) else points @ frame.T
     low, high = world.min(axis=0), world.max(axis=0)
+    painted = mesh_strength(name) if name.lower().endswith(USD_ENDINGS) else {}
 
     mesh = Body(
         Mesh(os.path.abspath(name), scale=scale, thickness=_thickness(frame, wishes)),
         name=os.path.splitext(os.path.basename(name))[0],
         material=wishes.material,
         orientation=orientation,
-        breaking=None if wishes.glue is not None else _breaking(wishes, frame),
-        bonds=_bonds(wishes),
+        breaking=None if wishes.glue is not None else _breaking(wishes, frame, painted),
+        bonds=_bonds(wishes, painted),
         look=wishes.look,
     )
     bodies = [mesh]
@@ -161,8 +162,10 @@ def _points(name: str) -> tuple[Float64, Float64]:
     return np.asarray(vertices, np.float64), np.asarray(triangles)
 
 
-def _breaking(wishes: Wishes, frame: Float64) -> Breaking | None:
-    """As far as it is wished: the material decides the rest."""
+def _breaking(
+    wishes: Wishes, frame: Float64, painted: dict[str, list[Any]]
+) -> Breaking | None:
+    """As far as it is wished, and painted on the mesh: the material decides the rest."""
     fields: dict[str, Any] = {
         "pattern": _pattern(wishes),
         "strength": wishes.strength,
@@ -170,7 +173,8 @@ def _breaking(wishes: Wishes, frame: Float64) -> Breaking | None:
         "reach": None if wishes.reach is None else wishes.reach * _unit(frame),
     }
     if all(value is None for value in fields.values()):
-        return None
+        breaks = "strength" in PRESETS[wishes.material]
+        return Breaking.from_dict(painted) if painted and breaks else None
     if "strength" not in PRESETS[wishes.material] and None in (
         fields["pattern"],
         fields["strength"],
@@ -178,10 +182,10 @@ def _breaking(wishes: Wishes, frame: Float64) -> Breaking | None:
         raise BuildError(
             f"material: {wishes.material!r} does not break, must come with a strength and a pattern"
         )
-    return Breaking.from_dict(fields)
+    return Breaking.from_dict({**fields, **painted})
 
 
-def _bonds(wishes: Wishes) -> Bonds | None:
+def _bonds(wishes: Wishes, painted: dict[str, list[Any]]) -> Bonds | None:
     """Glue between the file's parts or, if one is wished, the pieces of a pattern."""
     if wishes.glue is None:
         return None
@@ -191,7 +195,8 @@ def _bonds(wishes: Wishes) -> Bonds | None:
             raise BuildError(f"{option}: {given}, must be left out with glue")
     pattern = None if wishes.pattern is None else _pattern(wishes)
     fields = {"pattern": pattern, "tensile_strength": wishes.glue, "shear_strength": wishes.glue}
-    return Bonds.from_dict({name: field for name, field in fields.items() if field is not None})
+    said = {name: field for name, field in fields.items() if field is not None}
+    return Bonds.from_dict({**said, **painted})
 
 
 def _pattern(wishes: Wishes) -> dict[str, Any] | None:

@@ -24,6 +24,7 @@ fn bonds(strength: f64) -> BondsDesc {
         shear_strength: 1e3 * strength,
         anchors: Vec::new(),
         strength_points: Vec::new(),
+        strength_triangles: Vec::new(),
     }
 }
 

@@ -32,6 +32,7 @@ fn glued(body: BodyDesc) -> BodyDesc {
         shear_strength: 1e9,
         anchors: Vec::new(),
         strength_points: Vec::new(),
+        strength_triangles: Vec::new(),
     };
     BodyDesc { bonds: Some(bonds), ..body }
 }

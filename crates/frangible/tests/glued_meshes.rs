@@ -26,6 +26,7 @@ fn bonds(pattern: Option<PatternDesc>) -> BondsDesc {
         shear_strength: 5e5,
         anchors: Vec::new(),
         strength_points: Vec::new(),
+        strength_triangles: Vec::new(),
     }
 }
 

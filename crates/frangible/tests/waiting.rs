@@ -340,6 +340,7 @@ fn glue_holds_until_the_blow() {
         shear_strength: 1e4,
         anchors: Vec::new(),
         strength_points: Vec::new(),
+        strength_triangles: Vec::new(),
     };
     let glued =
         BodyDesc { starts: STRUCK, bonds: Some(bonds), ..block([0.2, 1.0, 1.0], [1.0, 2.0, 0.0]) };

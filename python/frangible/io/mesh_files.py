@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
-import shutil
 import re
+import shutil
 import tempfile
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +18,7 @@ from .._frangible import BuildError
 from ..extras import missing_packages
 from .gltf_mesh import ENDINGS as GLTF_ENDINGS
 from .gltf_mesh import make_plain
-from .reading import file_fault
+from .reading import FileNote, file_fault
 
 #: A body of a stage: the file, then the prim's path in brackets.
 _PRIM = re.compile(r"(.*\.usd[acz]?)<(/[^<>]*)>$", re.IGNORECASE | re.DOTALL)
@@ -87,6 +89,17 @@ def mesh_frame(path: str) -> Matrix:
         raise BuildError(f"{path}: {fault}")
     with open_stage(path) as stage:
         return metres_from_stage(path, stage)
+
+
+def mesh_strength(path: str) -> dict[str, list[Any]]:
+    """Strength points and triangles of a USD file's meshes, as `readable_mesh` reads them, for
+    `Breaking` and `Bonds`; nothing of what has none. `FileNote` warnings name what is left out."""
+    from .usd_strength import strength_of_stage
+
+    found, notes = strength_of_stage(path)
+    for note in notes:
+        warnings.warn(f"{path}: {note}", FileNote, stacklevel=2)
+    return found
 
 
 def stage_and_prim(path: str) -> tuple[str, str | None]:

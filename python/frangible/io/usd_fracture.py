@@ -65,7 +65,7 @@ def fracture_of(prim: Any) -> dict[str, Any]:
 
 
 def _points(prim: Any) -> dict[str, Any]:
-    return {"strength_points": points} if (points := strength_points_of(prim)) else {}
+    return strength_points_of(prim)
 
 
 def voxels_of(prim: Any) -> int | None:
@@ -135,8 +135,7 @@ def write_fracture(prim: Any, body: dict[str, Any]) -> None:
         _write(prim, "strengthOf" if isinstance(strength, str) else "strength", strength)
     for name in _BREAKING:
         _write(prim, name, breaking.get(name))
-    if points := breaking.get("strength_points"):
-        write_strength_points(prim, points)
+    write_strength_points(prim, breaking)
     pattern = breaking.get("pattern")
     if isinstance(pattern, dict):
         _write(prim, "pattern", pattern.get("kind"))

@@ -33,8 +33,9 @@ pub(crate) fn build_bonds(
         let world = world_from_shape.point(center);
         anchors.iter().any(|(low, high)| low.cmple(world).all() && world.cmple(*high).all())
     };
-    let glued = Glued::new(pieces, is_anchored, strength)
-        .with_strength_points(build_strength_points(&desc.strength_points, at)?);
+    let glued = Glued::new(pieces, is_anchored, strength).with_strength_points(
+        build_strength_points((&desc.strength_points, &desc.strength_triangles), at)?,
+    );
     if !anchors.is_empty() && !glued.is_anchored() {
         return Err(at.field("anchors").broken(
             "boxes without the centre of a piece",

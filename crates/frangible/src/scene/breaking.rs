@@ -104,7 +104,10 @@ pub(crate) fn build_breaking(desc: &BreakingDesc, at: &Checker) -> Result<Breaki
         generations: desc.generations,
         smallest,
         center,
-        strength_points: build_strength_points(&desc.strength_points, at)?,
+        strength_points: build_strength_points(
+            (&desc.strength_points, &desc.strength_triangles),
+            at,
+        )?,
         solid: None,
     })
 }

@@ -8,9 +8,9 @@ use std::sync::Arc;
 /// The least factor, and one over the largest: below, all blows break, and above, none.
 const LEAST: f64 = 1e-6;
 
-/// The points of a description; `None` without any.
+/// The points of a description, and the triangles between them; `None` without any.
 pub(crate) fn build_strength_points(
-    points: &[StrengthPointDesc],
+    (points, triangles): (&[StrengthPointDesc], &[[u32; 3]]),
     at: &Checker,
 ) -> Result<Option<Arc<StrengthPoints>>, BuildError> {
     let mut checked = Vec::with_capacity(points.len());
@@ -19,5 +19,12 @@ pub(crate) fn build_strength_points(
         let point = at.field("point").vector(*point, "m")?;
         checked.push((point, at.field("factor").within(*factor, LEAST, 1.0 / LEAST)?));
     }
-    Ok(StrengthPoints::new(checked).map(Arc::new))
+    for (index, corners) in triangles.iter().enumerate() {
+        if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= points.len()) {
+            let at = at.field(&format!("strength_triangles[{index}]"));
+            let rule = format!("a number below that of the strength_points, {}", points.len());
+            return Err(at.broken(&corner.to_string(), &rule));
+        }
+    }
+    Ok(StrengthPoints::new(checked, triangles.to_vec()).map(Arc::new))
 }

@@ -39,6 +39,7 @@ fn bonded_pillar(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
         shear_strength: STRENGTH,
         anchors: Vec::new(),
         strength_points: Vec::new(),
+        strength_triangles: Vec::new(),
     };
     let shape = ShapeDesc::Box { size: (2.0 * HALF).to_array(), resolution: Resolution::default() };
     let pillar = BodyDesc {

@@ -69,6 +69,7 @@ fn masonry(options: &ShotOptions) -> Result<SceneDesc, ShotError> {
             strip([half_width, 0.0], [WALL[0], WALL[1]]),
         ],
         strength_points: Vec::new(),
+        strength_triangles: Vec::new(),
     };
     let wall = BodyDesc {
         position: [0.0, 0.5 * WALL[1], 0.0],

@@ -39,10 +39,14 @@ pub struct BreakingDesc {
     /// Turn of the pattern about the blow's direction [rad].
     #[serde(default, skip_serializing_if = "defaults::is_zero")]
     pub twist: f64,
-    /// Points at which the body is stronger or weaker; in between strength is a mean, weighted by
-    /// the inverse squares of the distances. Not with the paper's method.
+    /// Points at which the body is stronger or weaker; beside them strength is a mean of the eight
+    /// nearest, the nearer the more. Not with the paper's method.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub strength_points: Vec<StrengthPointDesc>,
+    /// Triangles between these points, by their numbers from 0 on, as those of a painted mesh:
+    /// strength is then that of the nearest triangle, linear between its corners.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength_triangles: Vec<[u32; 3]>,
 }
 
 /// The strength of a body: an impulse, or its material's.
@@ -144,6 +148,9 @@ pub struct BondsDesc {
     /// Points at which bonds are stronger or weaker, as those of `breaking`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub strength_points: Vec<StrengthPointDesc>,
+    /// Triangles between these points, as those of `breaking`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength_triangles: Vec<[u32; 3]>,
 }
 
 /// A fixing box along the world's axes.
@@ -202,6 +209,7 @@ impl BreakingDesc {
             point: None,
             twist: 0.0,
             strength_points: Vec::new(),
+            strength_triangles: Vec::new(),
         }
     }
 }
