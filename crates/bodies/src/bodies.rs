@@ -1,9 +1,11 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
-use crate::activity::Activity;
+use crate::activity::{Activity, Substeps};
 use crate::collision_classes::{CollisionClass, CollisionClasses};
+use crate::frame::MOST_SUBSTEPS;
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -137,6 +139,62 @@ pub struct Bodies {
     slots: Slots,
 }
 
+impl Check for Bodies {
+    fn check(&self) -> Checked {
+        let lengths = [
+            self.poses.len(),
+            self.velocities.len(),
+            self.motions.len(),
+            self.masses.len(),
+            self.inertias.len(),
+            self.densities.len(),
+            self.shapes.len(),
+            self.radii.len(),
+            self.surfaces.len(),
+            self.activities.len(),
+        ];
+        require(lengths.iter().all(|&length| length == self.len()), "lists of one length")?;
+        self.classes.check()?;
+        self.slots.check(&self.ids)?;
+        self.poses.iter().try_for_each(Check::check)?;
+        self.velocities.iter().try_for_each(Check::check)?;
+        (0..self.len()).try_for_each(|i| self.check_body(i))
+    }
+}
+
+impl Bodies {
+    /// Whether the values of a body go together.
+    fn check_body(&self, i: usize) -> Checked {
+        let (shape, density, surface) = (&self.shapes[i], self.densities[i], &self.surfaces[i]);
+        let expected = match self.motions[i] {
+            Motion::Dynamic => (density * shape.volume, Inertia::of(shape, density)),
+            Motion::Kinematic { linear, angular } => {
+                finite_vector(linear)?;
+                finite_vector(angular)?;
+                (f64::INFINITY, Inertia::INFINITE)
+            }
+            Motion::Static => (f64::INFINITY, Inertia::INFINITE),
+        };
+        require((self.masses[i], self.inertias[i]) == expected, "a mass that follows")?;
+        let moves = self.motions[i] == Motion::Dynamic;
+        let has_mass = self.masses[i] > 0.0 && self.inertias[i].inverse_moments.is_finite();
+        require(!moves || has_mass, "a body with a mass")?;
+        require(density > 0.0 && density.is_finite(), "a density")?;
+        require(self.radii[i] == shape.radius(), "a radius that follows")?;
+        let friction = [surface.friction, surface.rolling_friction, surface.spinning_friction];
+        require(friction.iter().all(|&part| part >= 0.0 && part.is_finite()), "friction")?;
+        require((0.0..=1.0).contains(&surface.restitution), "a restitution")?;
+        require(surface.strength > 0.0, "a strength")?;
+        require(self.classes.holds(surface.class), "a class that there is")?;
+        let Substeps { count, needed } = self.activities[i].substeps;
+        require(count <= MOST_SUBSTEPS && needed >= 0.0, "a number of substeps")?;
+        // Both are counted on from here.
+        let is_early =
+            self.activities[i].drowsiness.slow_for < LATE && self.ids[i].generation < LATE;
+        require(is_early, "counts far from overflow")
+    }
+}
+
 /// Which dense entry an id stands for.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Slots {
@@ -148,6 +206,39 @@ struct Slots {
 /// Sparse per-body values keyed by [`BodyId`]; stale generations read as absent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PerBody<T>(Vec<Option<(u32, T)>>);
+
+/// What is counted from frame to frame is far below this.
+const LATE: u32 = 1 << 31;
+
+impl Slots {
+    /// Whether each body has its slot, and each free slot is empty and listed once.
+    fn check(&self, ids: &[BodyId]) -> Checked {
+        require(self.generation.len() == self.dense.len(), "a generation for each slot")?;
+        for (dense, id) in ids.iter().enumerate() {
+            let slot = id.index as usize;
+            let is_own = self.dense.get(slot) == Some(&Some(dense as u32))
+                && self.generation[slot] == id.generation;
+            require(is_own, "a slot for each body")?;
+        }
+        require(self.dense.iter().flatten().count() == ids.len(), "no body in other slots")?;
+        require(self.generation.iter().all(|&generation| generation < LATE), "young slots")?;
+        let mut free = self.free.clone();
+        free.sort_unstable();
+        free.dedup();
+        let is_empty = |&slot: &u32| self.dense.get(slot as usize) == Some(&None);
+        require(free.len() == self.free.len() && free.iter().all(is_empty), "free slots, once")
+    }
+}
+
+impl<T> PerBody<T> {
+    /// Whether all values keep a rule.
+    ///
+    /// # Errors
+    /// The rule that one breaks.
+    pub fn check(&self, of_value: impl Fn(&T) -> Checked) -> Checked {
+        self.0.iter().flatten().try_for_each(|(_, value)| of_value(value))
+    }
+}
 
 impl<T> Default for PerBody<T> {
     fn default() -> Self {

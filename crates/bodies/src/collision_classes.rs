@@ -1,5 +1,6 @@
 //! Groups of bodies that pass through each other.
 
+use frangible_math::check::{Check, Checked, require};
 use serde::{Deserialize, Serialize};
 
 /// Bodies that collide with the same others: a number that [`CollisionClasses`] knows.
@@ -25,7 +26,23 @@ struct Membership {
     passes_through: Vec<u32>,
 }
 
+impl Check for CollisionClasses {
+    fn check(&self) -> Checked {
+        let count = self.classes.len();
+        require(self.collide.len() == count * (count + 1) / 2, "a rule for each two classes")?;
+        let mut of_classes =
+            self.classes.iter().flat_map(|class| class.groups.iter().chain(&class.passes_through));
+        let is_known = |&group: &u32| (group as usize) < self.groups.len();
+        require(of_classes.all(is_known), "groups that have names")
+    }
+}
+
 impl CollisionClasses {
+    /// True if bodies may be of a class.
+    pub(crate) fn holds(&self, class: CollisionClass) -> bool {
+        class.0 as usize <= self.classes.len()
+    }
+
     /// The class of bodies in some groups that pass through those in others.
     pub fn class_of(&mut self, groups: &[String], passes_through: &[String]) -> CollisionClass {
         let own = Membership {

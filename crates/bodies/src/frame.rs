@@ -1,6 +1,7 @@
 //! The numbers of a step, with their sources.
 
 use frangible_math::Width;
+use frangible_math::check::{Check, Checked, require};
 use serde::{Deserialize, Serialize};
 
 /// Iteration counts of `Method::Paper` (the authors' values), and switches of both methods.
@@ -92,6 +93,38 @@ impl Default for StepSettings {
             sleep: false,
             width: Width::Avx512,
         }
+    }
+}
+
+/// Most substeps of a frame.
+pub const MOST_SUBSTEPS: u32 = 1024;
+
+/// Most passes, sweeps or impulses of a loop: beyond it a frame would seem to hang.
+const MOST_ITERATIONS: u32 = 1000;
+
+impl Check for StepSettings {
+    fn check(&self) -> Checked {
+        let counts = [
+            self.collision_passes,
+            self.collision_pair_iterations,
+            self.contact_passes,
+            self.contact_level_iterations,
+            self.contact_pair_iterations,
+            self.shock_level_iterations,
+            self.shock_pair_iterations,
+            self.push_out_level_iterations,
+            self.push_out_pair_iterations,
+            self.breaking_passes,
+        ];
+        let is_bounded = counts.iter().all(|&count| count <= MOST_ITERATIONS);
+        require(is_bounded, "iteration counts of at most 1000")?;
+        let are_powers = self.substeps.is_power_of_two() && self.most_substeps.is_power_of_two();
+        let in_order = self.substeps <= self.most_substeps && self.most_substeps <= MOST_SUBSTEPS;
+        let rule = "powers of two as numbers of substeps, the least at most the most, at most 1024";
+        require(are_powers && in_order, rule)?;
+        let is_speed = self.recovery_speed > 0.0 && self.recovery_speed <= 1e12;
+        require(is_speed, "a recovery speed above 0 m/s")?;
+        require((0.0..=1e12).contains(&self.bank_cap), "a bank of 0 J/kg or more")
     }
 }
 

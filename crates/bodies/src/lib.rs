@@ -12,7 +12,7 @@ mod state;
 pub use activity::{Activity, Drowsiness, Substeps};
 pub use bodies::{Bodies, BodyId, Motion, NewBody, PairSurface, PerBody, SurfaceProperties};
 pub use collision_classes::{CollisionClass, CollisionClasses};
-pub use frame::{Frame, Rotation, StepSettings};
+pub use frame::{Frame, MOST_SUBSTEPS, Rotation, StepSettings};
 pub use free_flight::ballistic_path::BallisticPath;
 pub use free_flight::energy_fix::{EnergyFix, fix_rotational_energy};
 pub use free_flight::evolve::{accelerate, evolve, evolve_all, evolve_these, half_fallen, predict};

@@ -2,6 +2,7 @@
 
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
+use frangible_math::check::{Check, Checked, finite_vector, unit_quaternion};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +32,20 @@ pub struct Inertia {
     pub inverse_mass: f64,
     /// Reciprocals of the principal moments, body frame [1/(kg m^2)]; zero for infinite mass.
     pub inverse_moments: DVec3,
+}
+
+impl Check for Pose {
+    fn check(&self) -> Checked {
+        finite_vector(self.position)?;
+        unit_quaternion(self.orientation)
+    }
+}
+
+impl Check for Velocity {
+    fn check(&self) -> Checked {
+        finite_vector(self.linear)?;
+        finite_vector(self.angular_momentum)
+    }
 }
 
 impl Pose {

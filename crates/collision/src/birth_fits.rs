@@ -4,6 +4,7 @@
 use crate::manifold::ManifoldPoint;
 use crate::manifold::list::Manifolds;
 use frangible_bodies::{Bodies, BodyId, Pair};
+use frangible_math::check::{Check, Checked, require};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -16,6 +17,13 @@ pub struct BirthFits {
 
 /// Overlaps below this fraction of the pieces' distance are rounding errors, as between polyhedra.
 const ROUNDING: f64 = 1e-9;
+
+impl Check for BirthFits {
+    fn check(&self) -> Checked {
+        let is_depth = |&depth: &f64| depth >= 0.0 && depth.is_finite();
+        require(self.overlaps.values().all(is_depth), "overlaps that are depths")
+    }
+}
 
 impl BirthFits {
     /// Shifts contact points of fragments to zero overlap while the overlap stays within the

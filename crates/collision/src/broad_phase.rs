@@ -10,7 +10,7 @@ use crate::broad_phase::sweep_and_prune::overlapping_bounded;
 use crate::relative_motion::moved;
 use frangible_bodies::{Bodies, Frame, Pair, Pose};
 use frangible_geometry::{Columns, Hull};
-use frangible_math::{Instructions, threads, with_widest};
+use frangible_math::{Instructions, Kernel, threads, with_widest};
 use std::slice::from_ref;
 
 /// All pairs with at least one dynamic body whose bounds at `poses`, enlarged by half of `margin`
@@ -48,7 +48,7 @@ impl Swept {
     /// polyhedra use their vertices.
     pub fn new(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Frame) -> Self {
         let bounds =
-            with_widest!(frame.settings.width, all_swept_bounds(bodies, ends, margin, frame));
+            with_widest(frame.settings.width, AllSweptBounds { bodies, ends, margin, frame });
         let (pairs, left_out) = overlapping_pairs(bodies, &bounds, &[&bodies.poses, ends], true);
         Self { bounds, pairs, left_out }
     }
@@ -59,21 +59,29 @@ pub fn find_swept_pairs(bodies: &Bodies, ends: &[Pose], margin: f64, frame: &Fra
     Swept::new(bodies, ends, margin, frame).pairs
 }
 
-fn all_swept_bounds<I: Instructions>(
-    bodies: &Bodies,
-    ends: &[Pose],
+/// [`swept_bounds_with`] of all bodies.
+struct AllSweptBounds<'a> {
+    bodies: &'a Bodies,
+    ends: &'a [Pose],
     margin: f64,
-    frame: &Frame,
-) -> Vec<Bounds> {
-    threads::list(bodies.len(), |i| {
-        // Prefetch later bodies in three stages: shape, hull, vertex columns.
-        let later = |steps: usize| bodies.shapes.get(i + steps * AHEAD);
-        let hull_later = |steps: usize| later(steps).and_then(|shape| shape.hull.as_deref());
-        later(3).into_iter().for_each(|shape| I::prefetch(from_ref(&**shape)));
-        hull_later(2).into_iter().for_each(|hull| I::prefetch(from_ref(hull)));
-        I::prefetch(hull_later(1).and_then(Hull::known_columns).map_or(&[], Columns::vertices));
-        swept_bounds_with::<I>(bodies, i, &ends[i], margin, frame)
-    })
+    frame: &'a Frame,
+}
+
+impl Kernel for AllSweptBounds<'_> {
+    type Output = Vec<Bounds>;
+
+    fn compute<I: Instructions>(self) -> Vec<Bounds> {
+        let Self { bodies, ends, margin, frame } = self;
+        threads::list(bodies.len(), |i| {
+            // Prefetch later bodies in three stages: shape, hull, vertex columns.
+            let later = |steps: usize| bodies.shapes.get(i + steps * AHEAD);
+            let hull_later = |steps: usize| later(steps).and_then(|shape| shape.hull.as_deref());
+            later(3).into_iter().for_each(|shape| I::prefetch(from_ref(&**shape)));
+            hull_later(2).into_iter().for_each(|hull| I::prefetch(from_ref(hull)));
+            I::prefetch(hull_later(1).and_then(Hull::known_columns).map_or(&[], Columns::vertices));
+            swept_bounds_with::<I>(bodies, i, &ends[i], margin, frame)
+        })
+    }
 }
 
 /// Bodies between two stages of prefetching.

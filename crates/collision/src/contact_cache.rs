@@ -24,6 +24,7 @@ use crate::narrow_phase::pair_motion::PairMotion;
 use crate::narrow_phase::seam_contacts::mend_seams;
 use crate::relative_motion::{moved, moved_between, placed, second_from_first};
 use frangible_bodies::{BallisticPath, Bodies, BodyId, Frame, Pair, Pose};
+use frangible_math::check::{Check, Checked, require};
 use frangible_math::threads;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +62,16 @@ struct PathLength {
     pose: Pose,
     /// Upper bound of the path length of any point since the first frame, over all frames [m].
     length: f64,
+}
+
+impl Check for ContactCache {
+    fn check(&self) -> Checked {
+        for PathLength { pose, length, .. } in &self.paths {
+            pose.check()?;
+            require(*length >= 0.0 && length.is_finite(), "paths with a length")?;
+        }
+        self.chunks.iter().try_for_each(|chunk| chunk.check(self.paths.len()))
+    }
 }
 
 impl ContactCache {

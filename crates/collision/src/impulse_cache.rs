@@ -2,6 +2,7 @@
 
 use crate::manifold::{FeatureId, Manifold};
 use frangible_bodies::{Bodies, BodyId, Pair, PerBody};
+use frangible_math::check::{Check, Checked, finite_singles, require};
 use frangible_math::threads;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,21 @@ pub struct PointImpulse {
     pub twist: Vec3,
     /// Mean of the whole frame including impacts, per second: world frame [N].
     pub mean: Vec3,
+}
+
+impl Check for ImpulseCache {
+    fn check(&self) -> Checked {
+        let is_sorted = self.pairs.is_sorted_by_key(|kept| kept.pair);
+        require(is_sorted, "pairs with impulses, in order")?;
+        for CachedPair { part, points, .. } in &self.pairs {
+            let in_part = self.points.get(*part).is_some_and(|part| points.end <= part.len());
+            require(in_part && points.start <= points.end, "points of a pair that there are")?;
+        }
+        self.points.iter().flatten().try_for_each(|CachedImpulse { force, .. }| {
+            require(force.normal.is_finite(), "finite impulses")?;
+            [force.force, force.twist, force.mean].into_iter().try_for_each(finite_singles)
+        })
+    }
 }
 
 impl ImpulseCache {

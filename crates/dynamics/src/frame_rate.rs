@@ -43,7 +43,7 @@ use frangible_collision::{FixedNeighbours, ImpulseCache, ImpulseChunk, Manifold}
 use frangible_math::Scalar;
 #[cfg(not(test))]
 use frangible_math::with_widest;
-use frangible_math::{Instructions, threads};
+use frangible_math::{Instructions, Kernel, threads};
 use glam::DVec3;
 use group::Group;
 use slabs::NOWHERE;
@@ -60,59 +60,66 @@ pub fn solve(
 ) -> Solved {
     #[cfg(not(test))]
     {
-        with_widest!(frame.settings.width, solve_with(bodies, contacts, warm, frame))
+        with_widest(frame.settings.width, Solve { bodies, contacts, warm, frame })
     }
     // Unit tests compile a single width, which saves most of their compile time; the scene tests
     // compare the bits of all widths.
     #[cfg(test)]
     {
-        solve_with::<Scalar>(bodies, contacts, warm, frame)
+        Solve { bodies, contacts, warm, frame }.compute::<Scalar>()
     }
 }
 
 /// [`solve`] for one instruction set.
-fn solve_with<I: Instructions>(
-    bodies: &mut Bodies,
-    (manifolds, neighbours): (&[Manifold], &FixedNeighbours),
-    warm: &mut ImpulseCache,
-    frame: &Frame,
-) -> Solved {
-    let start = FrameStart::of(bodies);
-    let carried = warm.of_manifolds(bodies, manifolds);
-    let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
+struct Solve<'a> {
+    bodies: &'a mut Bodies,
+    contacts: (&'a [Manifold<'a>], &'a FixedNeighbours),
+    warm: &'a mut ImpulseCache,
+    frame: &'a Frame,
+}
 
-    let mut solved = Solved {
-        accounts: FrameAccounts::default(),
-        gravity: (DVec3::ZERO, DVec3::ZERO),
-        short_of_substeps: islands.short_of_substeps,
-        confirmed: BTreeMap::new(),
-        impacts: Vec::new(),
-    };
-    let mut parts: Vec<ImpulseChunk> = Vec::new();
-    let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
-        let input = (manifolds, &carried[..]);
-        let mut group = Group::<I>::new(bodies, input, (&members, substeps), lines, frame);
-        group.run(bodies, (manifolds, neighbours), frame);
-        group
-    };
-    let room = || vec![NOWHERE; bodies.len()];
-    let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
-    for group in groups {
-        parts.push(group.write_back(bodies, manifolds, frame, &mut solved));
+impl Kernel for Solve<'_> {
+    type Output = Solved;
+
+    fn compute<I: Instructions>(self) -> Solved {
+        let Self { bodies, contacts: (manifolds, neighbours), warm, frame } = self;
+        let start = FrameStart::of(bodies);
+        let carried = warm.of_manifolds(bodies, manifolds);
+        let islands = IslandGroups::new(bodies, manifolds, &carried, frame);
+
+        let mut solved = Solved {
+            accounts: FrameAccounts::default(),
+            gravity: (DVec3::ZERO, DVec3::ZERO),
+            short_of_substeps: islands.short_of_substeps,
+            confirmed: BTreeMap::new(),
+            impacts: Vec::new(),
+        };
+        let mut parts: Vec<ImpulseChunk> = Vec::new();
+        let of_bundle = |lines: &mut Vec<u32>, Bundle { substeps, members }: Bundle| {
+            let input = (manifolds, &carried[..]);
+            let mut group = Group::<I>::new(bodies, input, (&members, substeps), lines, frame);
+            group.run(bodies, (manifolds, neighbours), frame);
+            group
+        };
+        let room = || vec![NOWHERE; bodies.len()];
+        let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
+        for group in groups {
+            parts.push(group.write_back(bodies, manifolds, frame, &mut solved));
+        }
+        let from = (start.poses(), &islands.substeps[..]);
+        contain(bodies, manifolds, from, frame, &mut solved.accounts);
+        close_islands(bodies, &start, &islands.substeps, frame, &mut solved);
+        let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.accounts);
+        fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);
+        parts.push(islands.sleep.carried(manifolds, &carried));
+        *warm = ImpulseCache::of_parts(bodies, manifolds.len(), parts);
+        let drowsiness = islands.sleep.drowsiness(bodies, frame, &are_asleep);
+        for (i, substeps) in islands.substeps.into_iter().enumerate() {
+            let drowsiness = drowsiness.get(i).copied().unwrap_or_default();
+            bodies.activities[i] = Activity { substeps, drowsiness };
+        }
+        solved
     }
-    let from = (start.poses(), &islands.substeps[..]);
-    contain(bodies, manifolds, from, frame, &mut solved.accounts);
-    close_islands(bodies, &start, &islands.substeps, frame, &mut solved);
-    let are_asleep = islands.sleep.hold(bodies, manifolds, &mut solved.accounts);
-    fly(bodies, (&islands.substeps, &are_asleep), frame, &mut solved);
-    parts.push(islands.sleep.carried(manifolds, &carried));
-    *warm = ImpulseCache::of_parts(bodies, manifolds.len(), parts);
-    let drowsiness = islands.sleep.drowsiness(bodies, frame, &are_asleep);
-    for (i, substeps) in islands.substeps.into_iter().enumerate() {
-        let drowsiness = drowsiness.get(i).copied().unwrap_or_default();
-        bodies.activities[i] = Activity { substeps, drowsiness };
-    }
-    solved
 }
 
 /// Integrates kinematic bodies, and dynamic bodies without contacts.

@@ -8,6 +8,7 @@ use crate::prescore::{Forms, Prescored, touching};
 use crate::strength_points::StrengthPoints;
 use crate::stress::{RigidPiece, Stress, Wrench, bond_stresses, islands};
 use frangible_geometry::{Compound, Hull, NoMass, Shape};
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -43,6 +44,48 @@ pub struct Glued {
     strength_points: Option<Arc<StrengthPoints>>,
     /// Of the last solution, from which the next one starts.
     displacements: Vec<Wrench>,
+}
+
+impl Check for PointLoad {
+    fn check(&self) -> Checked {
+        finite_vector(self.point)?;
+        finite_vector(self.force)
+    }
+}
+
+impl Check for Glued {
+    fn check(&self) -> Checked {
+        let count = self.pieces.len();
+        let lengths = [self.numbers.len(), self.blocks.len(), self.displacements.len()];
+        require(count > 0 && lengths == [count; 3], "numbers and blocks of all pieces")?;
+        match &self.grid {
+            Some(grid) => {
+                let are_pieces = self.numbers.iter().all(|&number| (number as usize) < grid.len());
+                require(are_pieces && self.hulls.is_empty(), "pieces that were cut")?;
+                let mut numbers = self.numbers.clone();
+                numbers.sort_unstable();
+                numbers.dedup();
+                require(numbers.len() == count, "each piece once")?;
+            }
+            None => require(self.hulls.len() == count, "a polyhedron for each piece")?,
+        }
+        for RigidPiece { center, volume, inertia, .. } in &self.pieces {
+            require(*volume > 0.0 && *volume < 1e30, "pieces with a volume")?;
+            let axes = inertia.to_cols_array_2d().map(DVec3::from_array);
+            axes.into_iter().chain([*center]).try_for_each(finite_vector)?;
+        }
+        for &Interface { a, b, area, centroid, normal } in &self.bonds {
+            require(a < b && b < count, "bonds between two pieces")?;
+            require(area > 0.0 && area < 1e30, "bonds with an area")?;
+            [centroid, normal].into_iter().try_for_each(finite_vector)?;
+        }
+        let BondStrength { tension, shear } = self.strength;
+        require(tension > 0.0 && shear > 0.0, "bonds with a strength")?;
+        self.displacements.iter().try_for_each(|Wrench { linear, angular }| {
+            finite_vector(*linear)?;
+            finite_vector(*angular)
+        })
+    }
 }
 
 /// Blocks of pieces.

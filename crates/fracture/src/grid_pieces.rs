@@ -10,6 +10,7 @@ use crate::shatter::settings::ShatterSettings;
 use crate::shatter::{CutUp, cut_sampled};
 use crate::stress::RigidPiece;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Portion, Run, Shape};
+use frangible_math::check::{Check, Checked, require};
 use glam::{DMat3, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -57,7 +58,7 @@ mod as_json {
         deserializer: D,
     ) -> Result<Arc<Pattern>, D::Error> {
         let text = String::deserialize(deserializer)?;
-        serde_json::from_str(&text).map(Arc::new).map_err(D::Error::custom)
+        Pattern::of_json(&text).map(Arc::new).map_err(D::Error::custom)
     }
 }
 
@@ -72,7 +73,21 @@ impl TryFrom<Cut> for GridPieces {
 
     fn try_from(cut: Cut) -> Result<Self, Self::Error> {
         let Cut { body, pattern, placement, settings } = cut;
+        placement.check()?;
+        settings.check()?;
+        if let Geometry::Grid(solid) = &body.geometry {
+            let along = solid.grid().dims.into_iter().fold(0, usize::max);
+            let is_spacing = 1e4 * settings.sample_spacing_voxels >= along as f64;
+            require(is_spacing, "samples on cracks that can be counted")?;
+        }
         Self::cut(body, pattern, placement, &settings).ok_or("pieces of a body on no grid")
+    }
+}
+
+impl Check for GridPieces {
+    fn check(&self) -> Checked {
+        // What is cut is checked before it is cut.
+        Ok(())
     }
 }
 

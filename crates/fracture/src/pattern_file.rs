@@ -70,6 +70,16 @@ impl Pattern {
         pattern.map_err(|reason| PatternError::File { path: name, reason })
     }
 
+    /// A pattern as [serde](serde_json) writes it, checked as a file's.
+    ///
+    /// # Errors
+    /// If it is none, or its cells do not tile its box.
+    pub fn of_json(text: &str) -> Result<Self, String> {
+        let pattern: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        pattern.check()?;
+        Ok(pattern)
+    }
+
     /// Checks what no generator gets wrong; the error completes the sentence that begins with the
     /// file.
     fn check(&self) -> Result<(), String> {

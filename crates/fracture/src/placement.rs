@@ -2,6 +2,7 @@
 
 use crate::pattern::region::{Cut, Region};
 use frangible_geometry::HalfSpace;
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,18 @@ pub struct Placement {
     pub center_pattern: DVec3,
     /// The impact point, grid frame [m].
     pub point_grid: DVec3,
+}
+
+impl Check for Placement {
+    fn check(&self) -> Checked {
+        let turn = self.grid_from_pattern;
+        let off = turn.transpose() * turn - DMat3::IDENTITY;
+        let is_turn = off.to_cols_array().iter().all(|part| part.abs() < 1e-6);
+        require(is_turn, "a rotation of the pattern")?;
+        require(self.scale > 0.0 && self.scale < 1e30, "a scale of the pattern")?;
+        finite_vector(self.center_pattern)?;
+        finite_vector(self.point_grid)
+    }
 }
 
 impl Placement {

@@ -1,6 +1,7 @@
 //! Strength that varies over a body: factors at points, and between them.
 
 use frangible_geometry::Bvh;
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,7 @@ const NEAREST: usize = 8;
 
 /// Factors of a body's strength, in the frame of its shape, which its fragments share.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(from = "StrengthRecord")]
+#[serde(try_from = "StrengthRecord")]
 pub struct StrengthPoints {
     /// Place [m] and factor; at least one.
     points: Vec<(DVec3, f64)>,
@@ -27,11 +28,25 @@ struct StrengthRecord {
     triangles: Vec<[u32; 3]>,
 }
 
-impl From<StrengthRecord> for StrengthPoints {
-    fn from(StrengthRecord { points, triangles }: StrengthRecord) -> Self {
+impl TryFrom<StrengthRecord> for StrengthPoints {
+    type Error = &'static str;
+
+    fn try_from(StrengthRecord { points, triangles }: StrengthRecord) -> Result<Self, Self::Error> {
+        let are_known = triangles.iter().flatten().all(|&at| (at as usize) < points.len());
+        require(are_known && !points.is_empty(), "triangles between points of strength")?;
         let corners: Vec<[DVec3; 3]> =
             triangles.iter().map(|corners| corners.map(|at| points[at as usize].0)).collect();
-        Self { tree: Bvh::new(&corners), points, triangles }
+        Ok(Self { tree: Bvh::new(&corners), points, triangles })
+    }
+}
+
+impl Check for StrengthPoints {
+    fn check(&self) -> Checked {
+        require(!self.points.is_empty(), "some points of strength")?;
+        self.points.iter().try_for_each(|&(point, factor)| {
+            require(factor > 0.0 && factor.is_finite(), "positive factors of strength")?;
+            finite_vector(point)
+        })
     }
 }
 
@@ -39,8 +54,7 @@ impl StrengthPoints {
     /// Of places [m] and positive factors, and of triangles between them; `None` without places or
     /// with a corner that is none of them.
     pub fn new(points: Vec<(DVec3, f64)>, triangles: Vec<[u32; 3]>) -> Option<Self> {
-        let are_known = triangles.iter().flatten().all(|&at| (at as usize) < points.len());
-        (are_known && !points.is_empty()).then(|| StrengthRecord { points, triangles }.into())
+        Self::try_from(StrengthRecord { points, triangles }).ok()
     }
 
     /// The least of all factors.

@@ -1,17 +1,27 @@
 //! A world as bytes, and back: what a step needs, to the bit. Values that bodies share are written
 //! once; what can be made from others, and patterns that a generator makes, are made again.
 
+mod rules;
+
 use crate::fingerprint::Fnv1a;
-use crate::world::World;
-use frangible_bodies::Bodies;
+use crate::hand::state::Hand;
+use crate::report::books::Books;
+use crate::scene::desc::Method;
+use crate::world::{Label, World};
+use frangible_bodies::{Bodies, BodyId, StepSettings};
+use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
+use frangible_dynamics::Ledger;
+use frangible_math::check::Check;
 use frangible_math::shared;
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// What every snapshot begins with.
 const MAGIC: &[u8] = b"frangible world\n";
 
 /// Another version may lay out the state in another way, and go on to other bits. The number after
 /// the dash counts changes of the layout between versions.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "-2");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "-3");
 
 /// Why a snapshot was not written or not read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -33,6 +43,35 @@ pub enum SnapshotError {
     Unwritable(String),
 }
 
+/// The fields of a world in a snapshot: only what is checked when it is read becomes a world.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "World")]
+struct Fields {
+    bodies: Bodies,
+    labels: Vec<Label>,
+    frame: u64,
+    dt: f64,
+    gravity: DVec3,
+    settings: StepSettings,
+    books: Books,
+    ledger: Ledger,
+    method: Method,
+    warm: ImpulseCache,
+    contact_cache: ContactCache,
+    fits: BirthFits,
+    spared: Vec<(BodyId, f64)>,
+    note: String,
+    hand: Hand,
+    #[serde(skip)]
+    clock: Option<fn() -> f64>,
+}
+
+#[derive(Serialize)]
+struct Written<'a>(#[serde(with = "Fields")] &'a World);
+
+#[derive(Deserialize)]
+struct Read(#[serde(with = "Fields")] World);
+
 impl World {
     /// All of the world's state. [`World::restore`] makes a world of it whose next frames are this
     /// one's, to the bit.
@@ -40,7 +79,7 @@ impl World {
     /// # Errors
     /// If a pattern came from a file and has no form in JSON.
     pub fn snapshot(&self) -> Result<Vec<u8>, SnapshotError> {
-        let state = shared::scope(|| postcard::to_stdvec(self))
+        let state = shared::scope(|| postcard::to_stdvec(&Written(self)))
             .map_err(|error| SnapshotError::Unwritable(error.to_string()))?;
         let digest = digest(&state).to_le_bytes();
         Ok([MAGIC, &[VERSION.len() as u8], VERSION.as_bytes(), &digest, &state].concat())
@@ -49,7 +88,8 @@ impl World {
     /// The world of a snapshot. It has no clock; see [`World::set_clock`].
     ///
     /// # Errors
-    /// If these are not the bytes of a snapshot of this version, as they were written.
+    /// If these are not the bytes of a snapshot of this version, as they were written, or if they
+    /// were changed such that they hold no world.
     pub fn restore(snapshot: &[u8]) -> Result<Self, SnapshotError> {
         let rest = snapshot.strip_prefix(MAGIC).ok_or(SnapshotError::Foreign)?;
         let cut_off = || SnapshotError::Damaged("it ends too early".into());
@@ -63,30 +103,12 @@ impl World {
         if digest(state) != u64::from_le_bytes(*expected) {
             return Err(SnapshotError::Damaged("its bytes are not those that were written".into()));
         }
-        let world: Self = shared::scope(|| postcard::from_bytes(state))
+        let Read(world) = shared::scope(|| postcard::from_bytes(state))
             .map_err(|error| SnapshotError::Damaged(error.to_string()))?;
-        if world.labels.len() != world.bodies.len() || !is_dense(&world.bodies) {
-            return Err(SnapshotError::Damaged("its lists differ in length".into()));
-        }
+        let broken = |rule: &str| SnapshotError::Damaged(format!("it must hold {rule}"));
+        world.check().map_err(broken)?;
         Ok(world)
     }
-}
-
-/// True if all arrays have an entry for each body.
-fn is_dense(bodies: &Bodies) -> bool {
-    let lengths = [
-        bodies.poses.len(),
-        bodies.velocities.len(),
-        bodies.motions.len(),
-        bodies.masses.len(),
-        bodies.inertias.len(),
-        bodies.densities.len(),
-        bodies.shapes.len(),
-        bodies.radii.len(),
-        bodies.surfaces.len(),
-        bodies.activities.len(),
-    ];
-    lengths.iter().all(|&length| length == bodies.len())
 }
 
 fn digest(bytes: &[u8]) -> u64 {

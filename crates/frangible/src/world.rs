@@ -18,12 +18,13 @@ use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetratio
 use frangible_dynamics::Ledger;
 use frangible_fracture::{ShatterSettings, StrengthPoints};
 use frangible_geometry::{Shape, Surface};
+use frangible_math::check::Check;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Bodies in motion. Built from a [`crate::scene::desc::SceneDesc`], advanced by [`crate::step`].
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct World {
     pub(crate) bodies: Bodies,
     /// One entry for each body, in the order of `bodies`.
@@ -48,7 +49,6 @@ pub struct World {
     /// Bodies that the caller holds, and its deeds since the last frame.
     pub(crate) hand: Hand,
     /// The caller's [s], for the report.
-    #[serde(skip)]
     pub(crate) clock: Option<fn() -> f64>,
 }
 
@@ -163,9 +163,20 @@ impl World {
         self.method
     }
 
-    /// Iteration counts and switches of the method; for experiments and negative controls.
-    pub fn settings_mut(&mut self) -> &mut StepSettings {
-        &mut self.settings
+    /// Iteration counts and switches of the method.
+    pub fn settings(&self) -> &StepSettings {
+        &self.settings
+    }
+
+    /// Sets [`World::settings`]; for experiments and negative controls.
+    ///
+    /// # Errors
+    /// If a frame could not end with them.
+    pub fn set_settings(&mut self, settings: StepSettings) -> Result<(), BuildError> {
+        let at = Checker::root().field("settings");
+        settings.check().map_err(|rule| at.broken(&format!("{settings:?}"), rule))?;
+        self.settings = settings;
+        Ok(())
     }
 
     /// Lets reports say how long each stage took, by a clock of the caller's that counts seconds.

@@ -4,6 +4,7 @@
 use crate::half_space::HalfSpace;
 use crate::mass_properties::MassProperties;
 use crate::revolved::{Revolved, RevolvedEnd};
+use frangible_math::check::{Check, Checked, require};
 use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -45,6 +46,20 @@ pub enum ClosedForm {
         /// [m]
         height: f64,
     },
+}
+
+impl Check for ClosedForm {
+    fn check(&self) -> Checked {
+        let sizes = match *self {
+            Self::HalfSpace(half_space) => return half_space.check(),
+            Self::Sphere { radius } => [radius; 3],
+            Self::Box { half } => half.to_array(),
+            Self::Cylinder { radius, half_height } => [radius, radius, half_height],
+            Self::Capsule { radius, half_height } => [radius, radius, radius + half_height.abs()],
+            Self::Cone { radius, height } => [radius, radius, height],
+        };
+        require(sizes.iter().all(|&size| size > 0.0 && size < 1e9), "a form with a size")
+    }
 }
 
 impl ClosedForm {

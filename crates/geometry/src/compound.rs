@@ -10,6 +10,7 @@ use crate::mass_properties::{MassProperties, parallel_axis};
 use crate::mesh::Surface;
 use crate::mesh_boundary::MeshBoundary;
 use frangible_math::RigidTransform;
+use frangible_math::check::{Check, Checked, require};
 use glam::{DMat3, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
@@ -17,7 +18,7 @@ use std::sync::OnceLock;
 /// Convex polyhedra in one frame. Parts may touch; common faces are *glued*: the space between is
 /// inside. The mass of overlaps counts twice.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(from = "CompoundRecord")]
+#[serde(try_from = "CompoundRecord")]
 pub struct Compound {
     parts: Vec<Part>,
     #[serde(skip_serializing)]
@@ -33,10 +34,25 @@ struct CompoundRecord {
     parts: Vec<Part>,
 }
 
-impl From<CompoundRecord> for Compound {
-    fn from(CompoundRecord { parts }: CompoundRecord) -> Self {
+impl TryFrom<CompoundRecord> for Compound {
+    type Error = &'static str;
+
+    fn try_from(CompoundRecord { parts }: CompoundRecord) -> Result<Self, &'static str> {
+        require(!parts.is_empty(), "a compound of some parts")?;
+        for part in &parts {
+            part.hull.check()?;
+            require(part.bounds == part.hull.bounds(), "the bounds of a part")?;
+            require(part.glued.len() == part.hull.planes().len(), "all faces of a part")?;
+        }
         let bounds: Vec<(DVec3, DVec3)> = parts.iter().map(|part| part.bounds).collect();
-        Self { tree: Bvh::of_boxes(&bounds), parts, boundary: OnceLock::new() }
+        Ok(Self { tree: Bvh::of_boxes(&bounds), parts, boundary: OnceLock::new() })
+    }
+}
+
+impl Check for Compound {
+    fn check(&self) -> Checked {
+        // Its parts are checked before the tree is made of them.
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Uniform grids.
 
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,16 @@ pub struct Grid {
     pub spacing: f64,
     /// Number of nodes along x, y and z, at least 2 each.
     pub dims: [usize; 3],
+}
+
+impl Check for Grid {
+    fn check(&self) -> Checked {
+        let nodes = self.dims.iter().try_fold(1_usize, |nodes, &n| nodes.checked_mul(n));
+        let fits = nodes.is_some_and(|nodes| nodes <= Self::MOST_NODES);
+        require(fits && self.dims.iter().all(|&n| n >= 2), "a grid of two nodes or more")?;
+        require(self.spacing > 0.0 && self.spacing < 1e9, "a grid with a spacing")?;
+        finite_vector(self.origin)
+    }
 }
 
 impl Grid {

@@ -16,6 +16,7 @@ use crate::outline_clip::{Clip, distances_over, larger};
 use crate::run_core::RunCore;
 use crate::runs::Run;
 use crate::voxel_runs::{Held, VoxelRuns};
+use frangible_math::check::{Check, Checked, require};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
@@ -73,6 +74,34 @@ pub enum Root {
     Hull(#[serde(with = "frangible_math::shared")] Arc<Hull>),
     /// Samples of a mesh's distance.
     Sampled(#[serde(with = "frangible_math::shared")] Arc<LevelSet>),
+}
+
+impl Check for Outline {
+    fn check(&self) -> Checked {
+        if let Root::ClosedForm(form) = &self.root {
+            form.check()?;
+        }
+        self.cuts.iter().try_for_each(Check::check)
+    }
+}
+
+impl Check for GridSolid {
+    fn check(&self) -> Checked {
+        self.grid.check()?;
+        let field = self.field.grid();
+        // The nodes of a part are the field's, and its margins.
+        let fits = (0..3).all(|axis| {
+            let most = field.dims[axis] + 2 * Self::MARGIN;
+            let nodes = -(Self::MARGIN as i64)..field.dims[axis] as i64;
+            self.grid.dims[axis] <= most && nodes.contains(&self.shift[axis])
+        });
+        require(fits, "a grid that is a part of the field's")?;
+        let is_field = self.shift == [0; 3] && self.grid.dims == field.dims;
+        require(is_field || !self.parts.is_empty(), "all of the field, or parts of it")?;
+        self.parts.iter().try_for_each(Check::check)?;
+        self.held.check(&self.grid)?;
+        self.outline.check()
+    }
 }
 
 impl GridSolid {

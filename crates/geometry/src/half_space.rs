@@ -1,5 +1,6 @@
 //! Half-spaces: the planes that cut, and the ground.
 
+use frangible_math::check::{Check, Checked, finite, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,14 @@ pub struct HalfSpace {
     pub normal: DVec3,
     /// Distance of the plane from the origin along the normal [m].
     pub offset: f64,
+}
+
+impl Check for HalfSpace {
+    fn check(&self) -> Checked {
+        let is_unit = (self.normal.length_squared() - 1.0).abs() < 1e-3;
+        require(is_unit, "a plane with a unit normal")?;
+        finite(self.offset)
+    }
 }
 
 impl HalfSpace {

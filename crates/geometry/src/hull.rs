@@ -22,6 +22,7 @@ use crate::mesh::{Surface, Tetrahedra, TriMesh};
 use columns::LazyColumns;
 use face_loops::FaceLoops;
 use frangible_math::RigidTransform;
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use half_edges::HalfEdgeMesh;
 use serde::{Deserialize, Serialize};
@@ -50,6 +51,17 @@ pub struct HullFace<'a> {
     pub edges: &'a [u32],
     /// True for cut faces.
     pub inner: bool,
+}
+
+impl Check for Hull {
+    fn check(&self) -> Checked {
+        let corners = self.net.all_corners();
+        let vertices = corners.iter().fold(0, |most, &vertex| most.max(vertex as usize + 1));
+        let fits = vertices == self.vertices.len() && self.net.faces() == self.planes.len();
+        require(fits && vertices > 0, "a polyhedron's vertices and faces")?;
+        self.vertices.iter().try_for_each(|&vertex| finite_vector(vertex))?;
+        self.planes.iter().try_for_each(Check::check)
+    }
 }
 
 impl Hull {

@@ -1,6 +1,7 @@
 //! Signed distance sampled on a grid: negative inside.
 
 use crate::grid::Grid;
+use frangible_math::check::{Check, Checked, require};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,14 @@ fn bracket(coordinate: f32, count: usize) -> (usize, f32) {
     let clamped = coordinate.clamp(0.0, (count - 1) as f32);
     let lower = (clamped as usize).min(count - 2);
     (lower, clamped - lower as f32)
+}
+
+impl Check for LevelSet {
+    fn check(&self) -> Checked {
+        self.grid.check()?;
+        require(self.phi.len() == self.grid.len(), "one distance for each node")?;
+        require(!self.phi.iter().any(|distance| distance.is_nan()), "distances that are numbers")
+    }
 }
 
 impl LevelSet {

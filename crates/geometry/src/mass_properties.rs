@@ -1,5 +1,6 @@
 //! Volume, centre of mass and inertia at unit density.
 
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use frangible_math::{RigidTransform, symmetric_eigen};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,14 @@ pub struct MassProperties {
     pub center: DVec3,
     /// Inertia tensor about the centre of mass [m^5].
     pub inertia: DMat3,
+}
+
+impl Check for MassProperties {
+    fn check(&self) -> Checked {
+        require(self.volume > 0.0 && self.volume < 1e30, "a volume")?;
+        finite_vector(self.center)?;
+        self.inertia.to_cols_array_2d().into_iter().try_for_each(|axis| finite_vector(axis.into()))
+    }
 }
 
 impl MassProperties {

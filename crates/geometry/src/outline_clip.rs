@@ -2,6 +2,7 @@
 
 use crate::grid::Grid;
 use crate::half_space::HalfSpace;
+use frangible_math::check::{Check, Checked, finite_singles, require};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,17 @@ pub(crate) fn distances_over(half_space: &HalfSpace, (low, high): (DVec3, DVec3)
     let middle = half_space.distance(0.5 * (low + high));
     let reach = half_space.normal.abs().dot(0.5 * (high - low));
     (middle - reach, middle + reach)
+}
+
+impl Check for Clip {
+    fn check(&self) -> Checked {
+        require(self.half_spaces.len() == self.planes.len(), "a plane for each half-space")?;
+        self.half_spaces.iter().try_for_each(Check::check)?;
+        self.planes.iter().try_for_each(|(slope, value)| {
+            finite_singles(*slope)?;
+            require(value.is_finite(), "planes of finite numbers")
+        })
+    }
 }
 
 impl Clip {

@@ -1,5 +1,6 @@
 //! Clusters of surface samples, for culling.
 
+use frangible_math::check::{Check, Checked, finite_singles, require};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
@@ -100,7 +101,30 @@ impl From<Option<ClusteredSamples>> for LazySamples {
     }
 }
 
+impl Check for ClusteredSamples {
+    fn check(&self) -> Checked {
+        self.samples.iter().try_for_each(|&sample| finite_singles(sample))?;
+        self.clusters.iter().try_for_each(|cluster| {
+            let end = u64::from(cluster.first) + u64::from(cluster.count);
+            require(end <= self.samples.len() as u64, "clusters of samples that there are")?;
+            finite_singles(cluster.center)?;
+            require(cluster.radius.is_finite(), "clusters with a radius")
+        })
+    }
+}
+
+impl Check for LazySamples {
+    fn check(&self) -> Checked {
+        self.given.as_ref().map_or(Ok(()), Check::check)
+    }
+}
+
 impl LazySamples {
+    /// True if they need not be made.
+    pub(crate) fn are_given(&self) -> bool {
+        self.given.is_some()
+    }
+
     pub(crate) fn given(samples: ClusteredSamples) -> Self {
         Some(samples).into()
     }

@@ -18,6 +18,7 @@ use crate::static_mesh::StaticMesh;
 use crate::surface_samples::closed_form_samples;
 use crate::voxel_bounds::bounds_in_body;
 use frangible_math::RigidTransform;
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -101,6 +102,42 @@ fn round_moments(form: &ClosedForm, moments: DVec3) -> DVec3 {
             DVec3::new(across, moments.y, across)
         }
         ClosedForm::Box { .. } | ClosedForm::HalfSpace(_) => moments,
+    }
+}
+
+/// Most samples along a side; see the scene's rule.
+const MOST_SAMPLES_ALONG: f64 = 1e4;
+
+impl Check for Shape {
+    fn check(&self) -> Checked {
+        match &self.geometry {
+            Geometry::ClosedForm(form) => form.check()?,
+            Geometry::Grid(solid) => solid.check()?,
+            Geometry::Hull(_) => require(self.hull.is_some(), "a polyhedron in its own frame")?,
+            Geometry::Compound(whole) => {
+                let own = self.compound.as_ref().map(|own| own.parts().len());
+                require(own == Some(whole.parts().len()), "a compound in its own frame")?;
+            }
+            Geometry::Mesh(_) => require(self.volume == 0.0, "a mesh without a volume")?,
+        }
+        self.body_from_grid.check()?;
+        self.samples.check()?;
+        let mass = [self.volume, self.unit_moments.min_element(), self.unit_moments.max_element()];
+        require(mass.iter().all(|&sum| (0.0..1e60).contains(&sum)), "volume and moments")?;
+        if let Some(form) = &self.part_of {
+            form.check()?;
+        }
+        if matches!(self.geometry, Geometry::ClosedForm(ClosedForm::HalfSpace(_))) {
+            return require(self.volume == 0.0, "a half-space without a volume");
+        }
+        let (low, high) = self.bounds;
+        finite_vector(low)?;
+        finite_vector(high)?;
+        require(low.cmple(high).all(), "bounds in order")?;
+        let least = (high - low).max_element() / MOST_SAMPLES_ALONG;
+        let is_given = self.samples.are_given() || matches!(self.geometry, Geometry::Mesh(_));
+        require(is_given || self.sample_spacing >= least, "samples that can be counted")?;
+        require(self.sample_spacing.is_finite(), "a sample spacing")
     }
 }
 

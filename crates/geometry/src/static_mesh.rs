@@ -11,6 +11,7 @@ pub(crate) mod kinds;
 use crate::mesh::TriMesh;
 use adjacency::{Adjacency, around_vertices, find_adjacency};
 use box_tree::BoxTree;
+use frangible_math::check::{Check, Checked};
 use glam::{DVec3, Vec3};
 use kinds::{EdgeKind, Neighbour, Sides};
 use serde::{Deserialize, Serialize};
@@ -22,17 +23,51 @@ const LEAST_HEIGHT: f64 = 1e-6;
 /// An immutable triangle mesh in its own frame, with its edges and a tree of boxes. About 100 bytes
 /// per triangle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "MeshRecord")]
 pub struct StaticMesh {
     positions: Vec<DVec3>,
     /// In the order of the tree.
     triangles: Vec<[u32; 3]>,
+    #[serde(skip_serializing)]
     pub(crate) adjacency: Adjacency,
     /// Triangles around each vertex, concatenated, and where each vertex's begin.
+    #[serde(skip_serializing)]
     around: Vec<u32>,
+    #[serde(skip_serializing)]
     begins: Vec<u32>,
+    #[serde(skip_serializing)]
     tree: BoxTree,
     sides: Sides,
     dropped: usize,
+}
+
+/// What a snapshot holds of a mesh: all else follows. Triangles in the order of a tree make the
+/// same tree again.
+#[derive(Deserialize)]
+struct MeshRecord {
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    sides: Sides,
+    dropped: usize,
+}
+
+impl TryFrom<MeshRecord> for StaticMesh {
+    type Error = String;
+
+    fn try_from(record: MeshRecord) -> Result<Self, String> {
+        let MeshRecord { positions, triangles, sides, dropped } = record;
+        let mesh = TriMesh { positions, triangles };
+        mesh.check("a mesh").map_err(|error| error.to_string())?;
+        let mesh = Self::new(&mesh, sides).ok_or("a mesh without area")?;
+        Ok(Self { dropped, ..mesh })
+    }
+}
+
+impl Check for StaticMesh {
+    fn check(&self) -> Checked {
+        // It is checked before it is made.
+        Ok(())
+    }
 }
 
 impl StaticMesh {

@@ -7,6 +7,7 @@ use crate::moments::{Portion, RunSums};
 use crate::run_core::RunCore;
 use crate::runs::Run;
 use crate::runs::Span;
+use frangible_math::check::{Check, Checked, finite, require};
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
 
@@ -33,6 +34,60 @@ pub(crate) struct Held {
     moved: OnceLock<Vec<Run>>,
     #[serde(skip)]
     cores: OnceLock<Vec<RunCore>>,
+}
+
+impl Held {
+    /// Whether all runs lie on the holder's grid and on the source's.
+    pub(crate) fn check(&self, grid: &Grid) -> Checked {
+        self.mass.check()?;
+        let is_near = |n: i64| n.unsigned_abs() <= Grid::MOST_NODES as u64;
+        require(self.shift.iter().all(|&n| is_near(n)), "runs near the grid")?;
+        finite(self.ahead)?;
+        let [rows_y, source_rows_y] = self.rows_y;
+        let is_own = rows_y == grid.dims[1] && self.rows == grid.dims[1] * grid.dims[2];
+        require(is_own, "runs of the grid's rows")?;
+        if self.is_all {
+            let is_whole = self.shift == [0; 3] && self.ahead == 0.0 && source_rows_y == rows_y;
+            let holds = self.rows == self.source.rows() && self.source.width() <= grid.dims[0];
+            require(is_whole && holds, "runs of all of the source")?;
+        }
+        let mut last = None;
+        for run in &self.taken {
+            let on_source = (run.row[0] as usize) < source_rows_y
+                && run.number(source_rows_y) < self.source.rows()
+                && run.start < run.end;
+            let [along, across, up] = self.shift;
+            let within = |n: u32, shift: i64, most: usize| {
+                (0..most as i64).contains(&(i64::from(n) - shift))
+            };
+            let on_grid = within(run.start, along, grid.dims[0])
+                && within(run.end - 1, along, grid.dims[0])
+                && within(run.row[0], across, grid.dims[1])
+                && within(run.row[1], up, grid.dims[2]);
+            require(on_source && on_grid, "runs on the grid and in the source")?;
+            let follows = last.is_none_or(|(place, end)| {
+                let [z, y, start] = run.place();
+                (place < [z, y]) || (place == [z, y] && end <= start)
+            });
+            require(follows && run.inside <= run.end - run.start, "runs in order")?;
+            run.moments.into_iter().try_for_each(finite)?;
+            last = Some(([run.row[1], run.row[0]], run.end));
+        }
+        Ok(())
+    }
+}
+
+impl Check for VoxelRuns {
+    fn check(&self) -> Checked {
+        let rows = &self.first_of_row;
+        let is_whole = rows.first() == Some(&0) && rows.last() == Some(&(self.spans.len() as u32));
+        require(is_whole && rows.is_sorted(), "rows of all spans")?;
+        let is_span = |span: &Span| span.start < span.end && (0.0..=1.0).contains(&span.coverage);
+        require(self.spans.iter().all(is_span), "spans with nodes, at most full")?;
+        let in_order =
+            |row: usize| self.row(row).windows(2).all(|pair| pair[0].end <= pair[1].start);
+        require((0..self.rows()).all(in_order), "spans in order")
+    }
 }
 
 impl Held {
@@ -208,6 +263,11 @@ impl VoxelRuns {
         }
         material.first_of_row.resize(rows + 1, material.spans.len() as u32);
         material
+    }
+
+    /// One past the last node of any row.
+    fn width(&self) -> usize {
+        self.spans.iter().fold(0, |width, span| width.max(span.end as usize))
     }
 
     /// Number of rows.

@@ -84,8 +84,8 @@ pub trait Instructions: Copy + std::fmt::Debug + PartialEq + Send + Sync + 'stat
     fn transpose_singles(rows: [Singles; LANES]) -> [Singles; LANES];
     /// Prefetches memory; no other effect.
     fn prefetch<T>(soon: &[T]);
-    /// Runs a kernel with these instructions. Only for what
-    /// [`with_widest`](crate::with_widest) has chosen: the machine must have them.
+    /// Runs a function compiled for these instructions. [`with_widest`](crate::with_widest) has
+    /// chosen them: the machine has them.
     fn run(kernel: impl FnOnce());
 }
 

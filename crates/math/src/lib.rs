@@ -3,6 +3,7 @@
 //! same bits on any number of them, rigid transforms, symmetric eigenproblems, Jacobi's elliptic
 //! functions and disjoint sets. All `unsafe` of the engine is in `instructions/`.
 
+pub mod check;
 mod disjoint_sets;
 mod instructions;
 mod jacobi_elliptic;
@@ -18,8 +19,6 @@ mod width;
 pub use disjoint_sets::DisjointSets;
 #[cfg(target_arch = "x86_64")]
 pub use instructions::scalar::Scalar;
-#[cfg(target_arch = "x86_64")]
-pub use instructions::x86::{Avx2, Avx512, Sse2};
 pub use instructions::{Instructions, LANES, Numbers, Singles};
 pub use jacobi_elliptic::{Series, arithmetic_geometric_mean};
 pub use lanes::{Blend, Lanes, Lanes3, Mask, Single, Single3, Symmetric, Three};
@@ -27,8 +26,4 @@ pub use number::Number;
 pub use rigid_transform::RigidTransform;
 pub use symmetric_eigen::symmetric_eigen;
 pub use vector::{Turn, Vector};
-#[cfg(not(target_arch = "x86_64"))]
-pub use width::Only;
-#[cfg(target_arch = "x86_64")]
-pub use width::available;
-pub use width::{Width, prefetch};
+pub use width::{Kernel, Width, prefetch, with_widest};

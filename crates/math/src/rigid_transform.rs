@@ -1,5 +1,6 @@
 //! Rotation followed by translation.
 
+use crate::check::{Check, Checked, finite_vector, unit_quaternion};
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,13 @@ pub struct RigidTransform {
     pub rotation: DQuat,
     /// Image of the origin [m].
     pub translation: DVec3,
+}
+
+impl Check for RigidTransform {
+    fn check(&self) -> Checked {
+        unit_quaternion(self.rotation)?;
+        finite_vector(self.translation)
+    }
 }
 
 impl RigidTransform {

@@ -1,8 +1,10 @@
 //! Values that several owners share, for `#[serde(with = "frangible_math::shared")]`: each is
-//! written once, and shared again by the same owners when it is read.
+//! written once, and shared again by the same owners when it is read, once its
+//! [rules](crate::check) are kept.
 //!
 //! Works within [`scope`] only, on one thread.
 
+use crate::check::Check;
 use serde::de::{DeserializeOwned, Error as _, SeqAccess, Visitor};
 use serde::ser::{Error as _, SerializeTuple};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -77,9 +79,9 @@ pub fn deserialize<'de, T: Sharing, D: Deserializer<'de>>(deserializer: D) -> Re
 }
 
 /// Values that can be shared, written and read.
-pub trait Value: Serialize + DeserializeOwned + Any + Send + Sync {}
+pub trait Value: Serialize + DeserializeOwned + Check + Any + Send + Sync {}
 
-impl<T: Serialize + DeserializeOwned + Any + Send + Sync> Value for T {}
+impl<T: Serialize + DeserializeOwned + Check + Any + Send + Sync> Value for T {}
 
 impl<T: Value> Sharing for Arc<T> {
     fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -163,6 +165,7 @@ impl<'de, T: Value> Visitor<'de> for ReadPair<T> {
         let (is_new, known) = known.ok_or_else(|| A::Error::custom(NO_SCOPE))?;
         match (pair.next_element::<Option<T>>()?.ok_or_else(missing)?, known) {
             (Some(value), _) if is_new => {
+                value.check().map_err(A::Error::custom)?;
                 let value = Arc::new(value);
                 let kept: Arc<dyn Any + Send + Sync> = value.clone();
                 with_known(|known| known.read[place] = Some(kept));
@@ -177,14 +180,27 @@ impl<'de, T: Value> Visitor<'de> for ReadPair<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::check::{Checked, require};
 
     #[derive(Serialize, Deserialize)]
     struct Leaf(u32);
+
+    impl Check for Leaf {
+        fn check(&self) -> Checked {
+            require(self.0 < 10, "a digit")
+        }
+    }
 
     #[derive(Serialize, Deserialize)]
     struct Branch {
         #[serde(with = "crate::shared")]
         leaf: Arc<Leaf>,
+    }
+
+    impl Check for Branch {
+        fn check(&self) -> Checked {
+            Ok(())
+        }
     }
 
     #[derive(Serialize, Deserialize)]
@@ -216,12 +232,13 @@ mod tests {
         assert_eq!(scope(|| serde_json::to_string(&read)).unwrap(), text);
     }
 
-    /// Numbers without a value, of another type or out of order are refused, and so is all outside
-    /// of a scope.
+    /// Numbers without a value, of another type or out of order are refused, and values that break
+    /// their rules, and so is all outside of a scope.
     #[test]
     fn damaged_numbers_are_refused() {
         let read = |text: &str| scope(|| serde_json::from_str::<Tree>(text)).is_ok();
         assert!(read(r#"{"branches": [[0, {"leaf": [1, 7]}]], "leaf": [1, null]}"#));
+        assert!(!read(r#"{"branches": [[0, {"leaf": [1, 11]}]], "leaf": [1, null]}"#));
         assert!(!read(r#"{"branches": [[0, {"leaf": [1, 7]}]], "leaf": [0, null]}"#));
         assert!(!read(r#"{"branches": [[0, {"leaf": [1, 7]}]], "leaf": [2, null]}"#));
         assert!(!read(r#"{"branches": [[0, {"leaf": [1, 7]}]], "leaf": [5, 7]}"#));

@@ -1,9 +1,10 @@
 //! Widest instruction set of the machine.
 
-#[cfg(target_arch = "x86_64")]
 use crate::instructions::Instructions;
 #[cfg(target_arch = "x86_64")]
-use crate::instructions::x86::Sse2;
+use crate::instructions::scalar::Scalar;
+#[cfg(target_arch = "x86_64")]
+use crate::instructions::x86::{Avx2, Avx512, Sse2};
 
 /// SIMD width: up to eight lanes in single precision; narrower machines use their own width. Other
 /// than on x86-64 the width is fixed at compile time, and this setting has no effect.
@@ -30,7 +31,7 @@ pub fn prefetch<T>(soon: &[T]) {
 
 /// The widest available width, at most `asked`.
 #[cfg(target_arch = "x86_64")]
-pub fn available(asked: Width) -> Width {
+fn available(asked: Width) -> Width {
     let has_avx512 = is_x86_feature_detected!("avx512f")
         && is_x86_feature_detected!("avx512dq")
         && is_x86_feature_detected!("avx512vl");
@@ -44,41 +45,43 @@ pub fn available(asked: Width) -> Width {
 
 /// The instructions that are known when the engine is compiled.
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-pub type Only = crate::instructions::simd128::Simd128;
+type Only = crate::instructions::simd128::Simd128;
 /// The instructions that are known when the engine is compiled.
 #[cfg(not(any(target_arch = "x86_64", all(target_arch = "wasm32", target_feature = "simd128"))))]
-pub type Only = crate::instructions::scalar::Scalar;
+type Only = crate::instructions::scalar::Scalar;
 
-/// Calls a generic function with the widest available instruction set up to a width on x86-64, and
-/// with `Only` elsewhere.
-#[macro_export]
-macro_rules! with_widest {
-    ($asked:expr, $function:ident($($argument:expr),*)) => {{
-        #[cfg(target_arch = "x86_64")]
-        {
-            use $crate::{Avx2, Avx512, Scalar, Sse2, Width, available};
-            match available($asked) {
-                Width::Scalar => $function::<Scalar>($($argument),*),
-                Width::Sse2 => $function::<Sse2>($($argument),*),
-                Width::Avx2 => $function::<Avx2>($($argument),*),
-                Width::Avx512 => $function::<Avx512>($($argument),*),
-            }
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        {
-            let _ = $asked;
-            $function::<$crate::Only>($($argument),*)
-        }
-    }};
+/// Work over lanes that [`with_widest`] gives instructions to. The instruction sets themselves have
+/// no names outside of this crate: only sets that the machine has reach a kernel.
+pub trait Kernel {
+    /// What it computes.
+    type Output;
+
+    /// Computes it with one instruction set.
+    fn compute<I: Instructions>(self) -> Self::Output;
+}
+
+/// Computes a kernel with the widest available instruction set, on x86-64 at most `asked`.
+#[inline]
+pub fn with_widest<K: Kernel>(asked: Width, kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    match available(asked) {
+        Width::Scalar => kernel.compute::<Scalar>(),
+        Width::Sse2 => kernel.compute::<Sse2>(),
+        Width::Avx2 => kernel.compute::<Avx2>(),
+        Width::Avx512 => kernel.compute::<Avx512>(),
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let _ = asked;
+        kernel.compute::<Only>()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::instructions::scalar::Scalar;
-    #[cfg(target_arch = "x86_64")]
-    use crate::instructions::x86::{Avx2, Avx512};
-    use crate::instructions::{Instructions, LANES, Numbers, Singles};
+    use crate::instructions::{LANES, Numbers, Singles};
 
     /// Rows become columns, and arithmetic has the same bits, in every width that this machine has.
     #[test]

@@ -8,6 +8,7 @@
     reason = "a test that cannot go on fails"
 )]
 
+use frangible::bodies::StepSettings;
 use frangible::math::Width;
 use frangible::{SceneDesc, World, step};
 use frangible_shots::{Shot, ShotOptions};
@@ -29,7 +30,8 @@ fn after(scene: &SceneDesc, frames: u32, width: Width, threads: usize) -> World 
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
         let mut world = World::build(scene).unwrap();
-        world.settings_mut().width = width;
+        let settings = StepSettings { width, ..*world.settings() };
+        world.set_settings(settings).unwrap();
         for _ in 0..frames {
             step(&mut world);
         }

@@ -5,7 +5,9 @@ use crate::frame::{Frame, Rotation};
 use crate::free_flight::exact_rotation::rotate_slow_ones;
 use crate::free_flight::rotation;
 use crate::state::{Pose, Velocity};
-use frangible_math::{Instructions, LANES, Lanes, Lanes3, Numbers, Turn, threads, with_widest};
+use frangible_math::{
+    Instructions, Kernel, LANES, Lanes, Lanes3, Numbers, Turn, threads, with_widest,
+};
 use glam::{DQuat, DVec3};
 
 /// Pose of body `i` one frame after `pose`, at a constant linear velocity and torque-free [Su09
@@ -50,57 +52,64 @@ pub fn evolve_these(
     frame: &Frame,
 ) -> Vec<Pose> {
     let of_share = |body_indices: &[usize]| {
-        with_widest!(
-            frame.settings.width,
-            evolve_some(bodies, body_indices, (poses, velocities), frame)
-        )
+        let kernel = EvolveSome { bodies, body_indices, poses, velocities, frame };
+        with_widest(frame.settings.width, kernel)
     };
     threads::map(body_indices.chunks(SHARE).collect(), body_indices.len(), of_share).concat()
 }
 
 /// [`evolve`] for some bodies, those that turn slowly side by side.
-fn evolve_some<I: Instructions>(
-    bodies: &Bodies,
-    body_indices: &[usize],
-    (poses, velocities): (&[Pose], &[Velocity]),
-    frame: &Frame,
-) -> Vec<Pose> {
-    let mut ends: Vec<Pose> = body_indices.iter().map(|&i| poses[i]).collect();
-    I::run(
-        #[inline(always)]
-        || {
-            for (ends, body_indices) in ends.chunks_mut(LANES).zip(body_indices.chunks(LANES)) {
-                // Bodies that do not turn, in the lanes that hold none.
-                let (mut motions, mut turns) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
-                for (lane, (pose, &i)) in ends.iter().zip(body_indices).enumerate() {
-                    let (l, q) = (velocities[i].angular_momentum, pose.orientation);
-                    let m = bodies.inertias[i].inverse_moments;
-                    motions[lane] = Numbers([l.x, l.y, l.z, m.x, m.y, m.z, m.max_element(), 0.0]);
-                    turns[lane] = Numbers([q.x, q.y, q.z, q.w, 0.0, 0.0, 0.0, 0.0]);
-                }
-                let [x, y, z, mx, my, mz, fastest, _] = Lanes::<I>::transposed(motions);
-                let [qx, qy, qz, scalar, ..] = Lanes::transposed(turns);
-                let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar };
-                let moments = (Lanes3 { x: mx, y: my, z: mz }, fastest);
-                let (turned, is_slow) =
-                    rotate_slow_ones(orientation, Lanes3 { x, y, z }, moments, frame.dt);
-                let Lanes3 { x: qx, y: qy, z: qz } = turned.vector;
-                let zero = Lanes::ZERO;
-                let turned = Lanes::rows([qx, qy, qz, turned.scalar, zero, zero, zero, zero]);
-                let is_exact = frame.settings.rotation == Rotation::Exact;
-                for (lane, (end, &i)) in ends.iter_mut().zip(body_indices).enumerate() {
-                    let Numbers([x, y, z, w, ..]) = turned[lane];
-                    if is_exact && is_slow.get(lane) && bodies.motions[i] == Motion::Dynamic {
-                        let position = end.position + frame.dt * velocities[i].linear;
-                        *end = Pose { position, orientation: DQuat::from_xyzw(x, y, z, w) };
-                    } else {
-                        *end = evolve(bodies, i, end, &velocities[i], frame);
+struct EvolveSome<'a> {
+    bodies: &'a Bodies,
+    body_indices: &'a [usize],
+    poses: &'a [Pose],
+    velocities: &'a [Velocity],
+    frame: &'a Frame,
+}
+
+impl Kernel for EvolveSome<'_> {
+    type Output = Vec<Pose>;
+
+    fn compute<I: Instructions>(self) -> Vec<Pose> {
+        let Self { bodies, body_indices, poses, velocities, frame } = self;
+        let mut ends: Vec<Pose> = body_indices.iter().map(|&i| poses[i]).collect();
+        I::run(
+            #[inline(always)]
+            || {
+                for (ends, body_indices) in ends.chunks_mut(LANES).zip(body_indices.chunks(LANES)) {
+                    // Bodies that do not turn, in the lanes that hold none.
+                    let (mut motions, mut turns) = ([Numbers::ZERO; LANES], [Numbers::ZERO; LANES]);
+                    for (lane, (pose, &i)) in ends.iter().zip(body_indices).enumerate() {
+                        let (l, q) = (velocities[i].angular_momentum, pose.orientation);
+                        let m = bodies.inertias[i].inverse_moments;
+                        motions[lane] =
+                            Numbers([l.x, l.y, l.z, m.x, m.y, m.z, m.max_element(), 0.0]);
+                        turns[lane] = Numbers([q.x, q.y, q.z, q.w, 0.0, 0.0, 0.0, 0.0]);
+                    }
+                    let [x, y, z, mx, my, mz, fastest, _] = Lanes::<I>::transposed(motions);
+                    let [qx, qy, qz, scalar, ..] = Lanes::transposed(turns);
+                    let orientation = Turn { vector: Lanes3 { x: qx, y: qy, z: qz }, scalar };
+                    let moments = (Lanes3 { x: mx, y: my, z: mz }, fastest);
+                    let (turned, is_slow) =
+                        rotate_slow_ones(orientation, Lanes3 { x, y, z }, moments, frame.dt);
+                    let Lanes3 { x: qx, y: qy, z: qz } = turned.vector;
+                    let zero = Lanes::ZERO;
+                    let turned = Lanes::rows([qx, qy, qz, turned.scalar, zero, zero, zero, zero]);
+                    let is_exact = frame.settings.rotation == Rotation::Exact;
+                    for (lane, (end, &i)) in ends.iter_mut().zip(body_indices).enumerate() {
+                        let Numbers([x, y, z, w, ..]) = turned[lane];
+                        if is_exact && is_slow.get(lane) && bodies.motions[i] == Motion::Dynamic {
+                            let position = end.position + frame.dt * velocities[i].linear;
+                            *end = Pose { position, orientation: DQuat::from_xyzw(x, y, z, w) };
+                        } else {
+                            *end = evolve(bodies, i, end, &velocities[i], frame);
+                        }
                     }
                 }
-            }
-        },
-    );
-    ends
+            },
+        );
+        ends
+    }
 }
 
 /// Velocities after `duration` [s] of gravity alone; bodies of infinite mass do not fall.

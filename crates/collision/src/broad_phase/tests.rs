@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 /// Swept bounds of a body.
 fn swept_bounds(bodies: &Bodies, i: usize, end: &Pose, margin: f64, frame: &Frame) -> Bounds {
-    with_widest!(frame.settings.width, swept_bounds_with(bodies, i, end, margin, frame))
+    let mut ends = bodies.poses.clone();
+    ends[i] = *end;
+    with_widest(frame.settings.width, AllSweptBounds { bodies, ends: &ends, margin, frame })[i]
 }
 
 /// Boxes in flat, tall, linear or arbitrary arrangements, with large boxes, coincident boxes, and

@@ -3,6 +3,7 @@
 use crate::manifold::{FeatureId, ManifoldPoint};
 use crate::narrow_phase::pair_motion::PairMotion;
 use frangible_math::RigidTransform;
+use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -40,6 +41,27 @@ pub(crate) struct CachedPoint {
     /// Unit, from the second body to the first, in the first body's frame.
     pub(crate) normal: DVec3,
     pub(crate) feature: FeatureId,
+}
+
+impl CacheChunk {
+    /// Whether its pairs are of `bodies` bodies, and its points theirs.
+    pub(crate) fn check(&self, bodies: usize) -> Checked {
+        let mut begin = 0;
+        for cached in &self.pairs {
+            let are_bodies = cached.bodies.iter().all(|&body| (body as usize) < bodies);
+            require(are_bodies, "pairs of bodies that there were")?;
+            let is_range = cached.end >= begin && cached.end as usize <= self.points.len();
+            require(is_range, "points of a pair that there are")?;
+            begin = cached.end;
+            cached.found_at.check()?;
+            let bounds = [cached.separation_bound, cached.path_at_capture];
+            require(!bounds.iter().any(|bound| bound.is_nan()), "bounds that are numbers")?;
+        }
+        self.points.iter().try_for_each(|CachedPoint { anchors, normal, .. }| {
+            finite_vector(*normal)?;
+            anchors.iter().try_for_each(|&anchor| finite_vector(anchor))
+        })
+    }
 }
 
 impl CachedPoint {

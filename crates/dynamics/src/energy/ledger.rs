@@ -15,6 +15,7 @@ use crate::energy::frame_islands::find_islands;
 use crate::energy::island::{ContactFreeState, energies, potential};
 use crate::energy::island_balance::{Correction, IslandBalance};
 use frangible_bodies::{Bodies, Frame, PerBody};
+use frangible_math::check::{Check, Checked, require};
 use frangible_math::threads;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -68,6 +69,12 @@ impl EnergyAtStart {
             Some((potential(bodies, i, gravity) - start).max(0.0))
         };
         members.iter().filter_map(of).sum()
+    }
+}
+
+impl Check for Ledger {
+    fn check(&self) -> Checked {
+        self.bank.check(|&banked| require((0.0..1e60).contains(&banked), "energy in a bank"))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::reach::Reach;
 use crate::slivers::Smallest;
+use frangible_math::check::{Check, Checked, finite, require};
 use serde::{Deserialize, Serialize};
 
 /// User settings of a break.
@@ -20,6 +21,20 @@ pub struct ShatterSettings {
     pub reach: Option<Reach>,
     /// Turn of the pattern about the collision normal [rad]; 0 by default.
     pub twist: f64,
+}
+
+impl Check for ShatterSettings {
+    fn check(&self) -> Checked {
+        let Smallest { part, volume, slenderness } = self.smallest;
+        let bounds = [self.smallest_fragment_voxels, part, volume, slenderness];
+        let are_sizes = bounds.iter().all(|&bound| (0.0..1e30).contains(&bound));
+        require(are_sizes, "least sizes of fragments")?;
+        let is_spacing = (1e-3..1e30).contains(&self.sample_spacing_voxels);
+        require(is_spacing, "a spacing of samples on cracks")?;
+        finite(self.twist)?;
+        let reach = self.reach.map_or(1.0, |reach| reach.distance);
+        require(reach > 0.0 && reach < 1e30, "a reach")
+    }
 }
 
 impl Default for ShatterSettings {

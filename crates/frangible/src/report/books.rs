@@ -3,6 +3,7 @@
 use crate::report::{Causes, Energy, Momentum};
 use frangible_bodies::{Bodies, Frame, Pose};
 use frangible_dynamics::FrameAccounts;
+use frangible_math::check::{Check, Checked, finite, finite_vector};
 use frangible_math::threads;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -122,6 +123,15 @@ pub(crate) struct Books {
     unexplained_angular: DVec3,
     momentum_scale: f64,
     angular_scale: f64,
+}
+
+impl Check for Books {
+    fn check(&self) -> Checked {
+        finite_vector(self.unexplained)?;
+        finite_vector(self.unexplained_angular)?;
+        finite(self.momentum_scale)?;
+        finite(self.angular_scale)
+    }
 }
 
 impl Books {

@@ -131,7 +131,7 @@ const MOST_SIZE: f64 = 1e6;
 
 /// Maximum gravity of a scene [m/s^2]: above it, single-precision rounding loses contacts, and
 /// bodies with them.
-const MOST_GRAVITY: f64 = 1e4;
+pub(crate) const MOST_GRAVITY: f64 = 1e4;
 /// Densities that a body may have [kg/m^3]: far below any gas, far above any metal.
 const LEAST_DENSITY: f64 = 1e-6;
 const MOST_DENSITY: f64 = 1e9;

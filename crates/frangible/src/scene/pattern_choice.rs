@@ -4,7 +4,8 @@ use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{PatternDesc, PatternFile};
 use crate::scene::fineness::{Fineness, Found};
 use crate::scene::patterns::build_pattern;
-use frangible_fracture::{Fragment, Pattern};
+use frangible_fracture::{Fragment, MOST_CELLS, Pattern};
+use frangible_math::check::{Check, Checked};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -172,6 +173,13 @@ struct ChoiceRecord {
     has_coarser: bool,
 }
 
+impl Check for PatternChoice {
+    fn check(&self) -> Checked {
+        // Its description is checked before the patterns are made.
+        Ok(())
+    }
+}
+
 impl From<PatternChoice> for ChoiceRecord {
     fn from(choice: PatternChoice) -> Self {
         let text = |value: &PatternDesc| serde_json::to_string(value).unwrap_or_default();
@@ -194,11 +202,13 @@ impl TryFrom<ChoiceRecord> for PatternChoice {
         let desc: PatternDesc =
             serde_json::from_str(&record.desc).map_err(|error| error.to_string())?;
         let at = Checker::root().field("pattern");
+        let pieces = record.pieces.map(|pieces| at.field("pieces").count(pieces, 2, MOST_CELLS));
+        let pieces = pieces.transpose().map_err(|error| error.to_string())?;
         let pattern = match &record.loaded {
-            Some(text) => serde_json::from_str(text).map_err(|error| error.to_string())?,
+            Some(text) => Pattern::of_json(text)?,
             None => build_pattern(&desc, &at).map_err(|error| error.to_string())?,
         };
-        Self::of_pattern(&desc, pattern, (record.pieces, record.has_coarser), &at)
+        Self::of_pattern(&desc, pattern, (pieces, record.has_coarser), &at)
             .map_err(|error| error.to_string())
     }
 }

@@ -1,6 +1,7 @@
 //! Given motion of kinematic bodies, from pose to pose.
 
 use frangible_bodies::Pose;
+use frangible_math::check::{Check, Checked, require};
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -9,6 +10,16 @@ use serde::{Deserialize, Serialize};
 pub struct BodyPath {
     /// Frames in ascending order, at least one.
     pub(crate) keys: Vec<(f64, Pose)>,
+}
+
+impl Check for BodyPath {
+    fn check(&self) -> Checked {
+        let is_frame = |&(frame, _): &(f64, Pose)| (0.0..=f64::from(u32::MAX)).contains(&frame);
+        let in_order = self.keys.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let are_frames = !self.keys.is_empty() && self.keys.iter().all(is_frame);
+        require(are_frames && in_order, "poses at ascending frames")?;
+        self.keys.iter().try_for_each(|(_, pose)| pose.check())
+    }
 }
 
 impl BodyPath {

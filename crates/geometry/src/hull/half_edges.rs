@@ -2,6 +2,7 @@
 
 use super::face_loops::FaceLoops;
 use crate::hull::edges::HullEdge;
+use frangible_math::check::{Check, Checked, require};
 use serde::{Deserialize, Serialize};
 use std::sync::OnceLock;
 
@@ -52,6 +53,43 @@ pub(super) struct Side {
 /// Bit mark of cut faces.
 const INNER: u32 = 1 << 31;
 
+impl Check for HalfEdgeMesh {
+    /// Each edge has two sides, one in each direction, and the whole is a sphere [Euler].
+    fn check(&self) -> Checked {
+        const CLOSED: &str = "a closed polyhedron";
+        let twice = self.sides.checked_mul(2).filter(|&twice| twice <= self.indices.len());
+        let Some(first_end) = twice else { return Err(CLOSED) };
+        let ends = &self.indices[first_end..];
+        let mut start = 0;
+        for end in ends.iter().map(|&end| (end & !INNER) as usize) {
+            require(end >= start + 3 && end <= self.sides, CLOSED)?;
+            start = end;
+        }
+        require(start == self.sides && self.sides == 2 * self.edges.len(), CLOSED)?;
+
+        let mut is_used = vec![false; self.sides];
+        let mut sides_of = vec![[false; 2]; self.edges.len()];
+        for face in 0..self.faces() {
+            let corners = self.corners(face);
+            let next = corners.iter().cycle().skip(1);
+            for ((&from, &to), &edge) in corners.iter().zip(next).zip(self.edges_along(face)) {
+                let Some(edge_of) = self.edges.get(edge as usize) else { return Err(CLOSED) };
+                let HullEdge { vertices: [a, b], faces } = *edge_of;
+                require(a != b && faces[0] != faces[1], CLOSED)?;
+                let side = if (from, to) == (a, b) { 0 } else { 1 };
+                let is_side = side == 0 || (from, to) == (b, a);
+                require(is_side && faces.contains(&(face as u32)), CLOSED)?;
+                let is_known = std::mem::replace(&mut sides_of[edge as usize][side], true);
+                require(!is_known, CLOSED)?;
+                *is_used.get_mut(from as usize).ok_or(CLOSED)? = true;
+            }
+        }
+        let vertices = is_used.iter().take_while(|&&is_used| is_used).count();
+        let is_dense = !is_used[vertices..].contains(&true);
+        require(is_dense && vertices + self.faces() == self.edges.len() + 2, CLOSED)
+    }
+}
+
 impl FaceLoops {
     /// Copies a net, reusing memory.
     pub(super) fn copy_from(&mut self, net: &HalfEdgeMesh) {
@@ -101,6 +139,11 @@ impl HalfEdgeMesh {
     pub(super) fn edges_along(&self, face: usize) -> &[u32] {
         let range = self.sides(face);
         &self.indices[self.sides + range.start..self.sides + range.end]
+    }
+
+    /// The vertices that all sides begin at.
+    pub(super) fn all_corners(&self) -> &[u32] {
+        &self.indices[..self.sides]
     }
 
     /// All indices, as they lie in memory.

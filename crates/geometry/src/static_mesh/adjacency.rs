@@ -2,7 +2,6 @@
 
 use crate::static_mesh::kinds::{EdgeKind, Neighbour, Sides};
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
 /// Sine of the largest angle across a flat edge [rad]. A dome of triangles with a hundredth of a
 /// degree between them keeps its edges; a floor whose vertices are rounded to single precision
@@ -13,7 +12,7 @@ const NONE: u32 = u32::MAX;
 const FLIPPED: u32 = 1 << 31;
 
 /// Of each triangle, the neighbours and kinds of its three edges.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Adjacency {
     /// The highest bit says that the neighbour runs the other way round.
     neighbours: Vec<[u32; 3]>,

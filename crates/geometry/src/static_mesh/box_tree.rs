@@ -1,7 +1,6 @@
 //! A tree of boxes in single precision, over items that it sorts.
 
 use glam::{DVec3, Vec3};
-use serde::{Deserialize, Serialize};
 
 /// A subtree with at most this many items is a leaf [1]. With 8, visits test a third more items.
 const LEAF: usize = 4;
@@ -10,12 +9,12 @@ const LEAF: usize = 4;
 const BINS: usize = 16;
 
 /// Parents before children; node 0 is the root. 32 bytes each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct BoxTree {
     nodes: Vec<Node>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     low: [f32; 3],
     /// First child of a branch, first item of a leaf.

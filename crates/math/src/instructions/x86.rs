@@ -11,7 +11,7 @@ macro_rules! instructions {
      $transpose:ident, $singles:ty, $transpose_singles:ident, {$($arithmetic:tt)*}) => {
         #[doc = $doc]
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub struct $name;
+        pub(crate) struct $name;
 
         impl $name {
             #[inline(always)]

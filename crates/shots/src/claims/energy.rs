@@ -60,7 +60,9 @@ pub(super) fn run_scene(
     change: impl Fn(&mut StepSettings),
 ) -> Result<Run, BuildError> {
     let mut world = World::build(scene)?;
-    change(world.settings_mut());
+    let mut settings = *world.settings();
+    change(&mut settings);
+    world.set_settings(settings)?;
     let start: Vec<_> =
         world.bodies().ids.iter().copied().zip(world.bodies().poses.clone()).collect();
     let (kinetic, potential) = world.energy();

@@ -3,7 +3,7 @@
 
 use crate::narrow_phase::hull_hull::closest_points::{between_edges, nearest_points};
 use crate::narrow_phase::hull_hull::face_clipping::face_points;
-use crate::narrow_phase::hull_hull::feature_scan::inside;
+use crate::narrow_phase::hull_hull::feature_scan::Inside;
 use crate::narrow_phase::hull_hull::hull_pair::{HullPair, PREFERENCE};
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullContact, HullPoint};
 use crate::narrow_phase::hull_hull::placement::View;
@@ -167,7 +167,8 @@ impl HullPair<'_> {
         let center = sum / count;
         let centers = [center, self.second_from_first.point(center)];
         let inside = |side: usize| {
-            with_widest!(self.width, inside(self.hulls[side].columns(), centers[side]))
+            let hull = self.hulls[side].columns();
+            with_widest(self.width, Inside { hull, point: centers[side] })
         };
         -2.0 * inside(0).min(inside(1)) <= face + clearly
     }

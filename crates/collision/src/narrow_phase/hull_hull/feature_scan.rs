@@ -5,7 +5,7 @@
 use crate::narrow_phase::hull_hull::placement::{Placement, Ridge};
 use crate::narrow_phase::hull_hull::scratch::RidgeColumns;
 use frangible_geometry::{Columns, HalfSpace};
-use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles, Three};
+use frangible_math::{Instructions, Kernel, LANES, Mask, Single, Single3, Singles, Three};
 use glam::{DMat3, DVec3};
 
 /// Sine of the angle below which edges count as parallel [1]: a face normal then serves as well.
@@ -14,154 +14,188 @@ pub(crate) const PARALLEL: f64 = 1e-3;
 
 /// Face of `hull` with the largest separation from `other` (the first on ties), and the lowest
 /// vertex of `other` above it.
-pub(crate) fn furthest_face<I: Instructions>(
-    hull: &Columns,
-    other: &Columns,
-    hull_from_other: &Placement,
-    other_from_hull: &Placement,
-) -> [usize; 2] {
-    let between = hull_from_other.point(other.middle) - hull.middle;
-    let mut found = [0; 2];
-    I::run(
-        #[inline(always)]
-        || {
-            let DMat3 { x_axis, y_axis, z_axis } = other_from_hull.matrix;
-            let (x_axis, y_axis, z_axis) =
-                (Single3::<I>::splat(x_axis), Single3::splat(y_axis), Single3::splat(z_axis));
-            let between = Single3::splat(between);
-            let (mut best, mut of_best) = (Best::none(), Single3::ZERO);
-            for (block, [x, y, z, offset]) in hull.faces().iter().enumerate() {
-                let normal = three([x, y, z]);
-                let up = x_axis * normal.x + y_axis * normal.y + z_axis * normal.z;
-                let height = lowest_over(other, up);
-                let apart = height + between.dot(normal) - Single::of_column(offset);
-                of_best = best.look(block, apart).select(up, of_best);
-            }
-            let lane = best.lane();
-            let Three { x, y, z } = of_best;
-            let up = [x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]];
-            found = [best.at(), lowest_vertex::<I>(other, up)];
-        },
-    );
-    found
+pub(crate) struct FurthestFace<'a> {
+    pub(crate) hull: &'a Columns,
+    pub(crate) other: &'a Columns,
+    pub(crate) hull_from_other: &'a Placement,
+    pub(crate) other_from_hull: &'a Placement,
+}
+
+impl Kernel for FurthestFace<'_> {
+    type Output = [usize; 2];
+
+    fn compute<I: Instructions>(self) -> [usize; 2] {
+        let Self { hull, other, hull_from_other, other_from_hull } = self;
+        let between = hull_from_other.point(other.middle) - hull.middle;
+        let mut found = [0; 2];
+        I::run(
+            #[inline(always)]
+            || {
+                let DMat3 { x_axis, y_axis, z_axis } = other_from_hull.matrix;
+                let (x_axis, y_axis, z_axis) =
+                    (Single3::<I>::splat(x_axis), Single3::splat(y_axis), Single3::splat(z_axis));
+                let between = Single3::splat(between);
+                let (mut best, mut of_best) = (Best::none(), Single3::ZERO);
+                for (block, [x, y, z, offset]) in hull.faces().iter().enumerate() {
+                    let normal = three([x, y, z]);
+                    let up = x_axis * normal.x + y_axis * normal.y + z_axis * normal.z;
+                    let height = lowest_over(other, up);
+                    let apart = height + between.dot(normal) - Single::of_column(offset);
+                    of_best = best.look(block, apart).select(up, of_best);
+                }
+                let lane = best.lane();
+                let Three { x, y, z } = of_best;
+                let up = [x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]];
+                found = [best.at(), lowest_vertex::<I>(other, up)];
+            },
+        );
+        found
+    }
 }
 
 /// Depth of a point inside a hull, negative outside [m].
-pub(crate) fn inside<I: Instructions>(hull: &Columns, point: DVec3) -> f64 {
-    let lever = point - hull.middle;
-    let mut highest = f32::NEG_INFINITY;
-    I::run(
-        #[inline(always)]
-        || {
-            let lever = Single3::<I>::splat(lever);
-            let mut heights = Single::same(f32::NEG_INFINITY);
-            for [x, y, z, offset] in hull.faces() {
-                heights = heights.max(three([x, y, z]).dot(lever) - Single::of_column(offset));
-            }
-            highest = heights.largest();
-        },
-    );
-    f64::from(-highest)
+pub(crate) struct Inside<'a> {
+    pub(crate) hull: &'a Columns,
+    pub(crate) point: DVec3,
 }
 
-/// Bits of [`mark_within`] for a vertex inside both half-spaces.
+impl Kernel for Inside<'_> {
+    type Output = f64;
+
+    fn compute<I: Instructions>(self) -> f64 {
+        let Self { hull, point } = self;
+        let lever = point - hull.middle;
+        let mut highest = f32::NEG_INFINITY;
+        I::run(
+            #[inline(always)]
+            || {
+                let lever = Single3::<I>::splat(lever);
+                let mut heights = Single::same(f32::NEG_INFINITY);
+                for [x, y, z, offset] in hull.faces() {
+                    heights = heights.max(three([x, y, z]).dot(lever) - Single::of_column(offset));
+                }
+                highest = heights.largest();
+            },
+        );
+        f64::from(-highest)
+    }
+}
+
+/// Bits of [`MarkWithin`] for a vertex inside both half-spaces.
 pub(crate) const IN_BOTH: u8 = 3;
 
 /// Marks each vertex of `hull` with two bits, one per half-space containing it.
-pub(crate) fn mark_within<I: Instructions>(
-    hull: &Columns,
-    spaces: &[HalfSpace; 2],
-    marks: &mut Vec<u8>,
-) {
-    let depth = |space: &HalfSpace| space.offset - space.normal.dot(hull.middle);
-    let depths = [depth(&spaces[0]), depth(&spaces[1])];
-    marks.resize(LANES * hull.vertices().len(), 0);
-    I::run(
-        #[inline(always)]
-        || {
-            let normals = [Single3::<I>::splat(spaces[0].normal), Single3::splat(spaces[1].normal)];
-            let depths = [Single::splat(depths[0]), Single::splat(depths[1])];
-            for (block, [x, y, z]) in hull.vertices().iter().enumerate() {
-                let lever = three([x, y, z]);
-                let out_of_first = lever.dot(normals[0]).above(depths[0]);
-                let out_of_second = lever.dot(normals[1]).above(depths[1]);
-                for lane in 0..LANES {
-                    let marks = &mut marks[LANES * block + lane];
-                    *marks =
-                        u8::from(!out_of_first.get(lane)) | u8::from(!out_of_second.get(lane)) << 1;
+pub(crate) struct MarkWithin<'a> {
+    pub(crate) hull: &'a Columns,
+    pub(crate) spaces: &'a [HalfSpace; 2],
+    pub(crate) marks: &'a mut Vec<u8>,
+}
+
+impl Kernel for MarkWithin<'_> {
+    type Output = ();
+
+    fn compute<I: Instructions>(self) {
+        let Self { hull, spaces, marks } = self;
+        let depth = |space: &HalfSpace| space.offset - space.normal.dot(hull.middle);
+        let depths = [depth(&spaces[0]), depth(&spaces[1])];
+        marks.resize(LANES * hull.vertices().len(), 0);
+        I::run(
+            #[inline(always)]
+            || {
+                let normals =
+                    [Single3::<I>::splat(spaces[0].normal), Single3::splat(spaces[1].normal)];
+                let depths = [Single::splat(depths[0]), Single::splat(depths[1])];
+                for (block, [x, y, z]) in hull.vertices().iter().enumerate() {
+                    let lever = three([x, y, z]);
+                    let out_of_first = lever.dot(normals[0]).above(depths[0]);
+                    let out_of_second = lever.dot(normals[1]).above(depths[1]);
+                    for lane in 0..LANES {
+                        let marks = &mut marks[LANES * block + lane];
+                        *marks = u8::from(!out_of_first.get(lane))
+                            | u8::from(!out_of_second.get(lane)) << 1;
+                    }
                 }
-            }
-        },
-    );
+            },
+        );
+    }
 }
 
 /// Indices of the two ridges, one per hull, with the largest separation along their common
 /// perpendicular, among non-parallel pairs that form a face of the Minkowski difference.
-pub(crate) fn furthest_edges<I: Instructions>(
-    [first, second]: [&[Ridge]; 2],
-    columns: &mut Vec<RidgeColumns>,
-) -> Option<[usize; 2]> {
-    // Columns of the second hull's ridges, relative to the first ridge's start; padding has zero
-    // length.
-    const NONE: Singles = Singles([0.0; LANES]);
-    let origin = first.first()?.ends[0];
-    columns.clear();
-    columns.resize(second.len().div_ceil(LANES), [[NONE; 3]; 5]);
-    for (at, ridge) in second.iter().enumerate() {
-        let [beside, other_beside] = ridge.normals;
-        let start = ridge.ends[0] - origin;
-        let lines = [start, ridge.along, beside, other_beside, ridge.outward()];
-        for (columns, line) in columns[at / LANES].iter_mut().zip(lines) {
-            for (column, number) in columns.iter_mut().zip(line.to_array()) {
-                column.0[at % LANES] = number as f32;
-            }
-        }
-    }
+pub(crate) struct FurthestEdges<'a> {
+    pub(crate) ridges: [&'a [Ridge]; 2],
+    pub(crate) columns: &'a mut Vec<RidgeColumns>,
+}
 
-    let mut found = None;
-    I::run(
-        #[inline(always)]
-        || {
-            let parallel = Single::<I>::splat(PARALLEL * PARALLEL);
-            let (mut best, mut of_first) = (Best::none(), Single::<I>::ZERO);
-            for (at, ridge) in first.iter().enumerate() {
-                let (along, start) =
-                    (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
-                let normals = [Single3::splat(ridge.normals[0]), Single3::splat(ridge.normals[1])];
-                let squared_length = along.dot(along);
-                for (block, [other_start, other_along, beside, other_beside, outward]) in
-                    columns.iter().enumerate()
-                {
-                    // Arcs of the Gauss map: the arc between the first edge's normals must cross
-                    // the arc between the second edge's negated normals, else other features are
-                    // further apart.
-                    let (other_along, beside, other_beside) =
-                        (three_of(other_along), three_of(beside), three_of(other_beside));
-                    let (c, d) = (beside.dot(along), other_beside.dot(along));
-                    let (u, v) = (-normals[0].dot(other_along), -normals[1].dot(other_along));
-                    let cross = negative(c * d).and(negative(u * v)).and(negative(-(c * v)));
-                    if !cross.any() {
-                        continue;
-                    }
-                    let across = along.cross(other_along);
-                    let squared = across.dot(across);
-                    let lengths = squared_length * other_along.dot(other_along);
-                    let outward = across.dot(three_of(outward));
-                    let apart = across.dot(start - three_of(other_start))
-                        * (Single::same(1.0) / squared.sqrt());
-                    let apart = negative(outward).select(-apart, apart);
-                    let counts = cross.and(squared.above(parallel * lengths));
-                    let apart = counts.select(apart, Single::same(f32::NEG_INFINITY));
-                    of_first = best.look(block, apart).select(Single::same(at as f32), of_first);
+impl Kernel for FurthestEdges<'_> {
+    type Output = Option<[usize; 2]>;
+
+    fn compute<I: Instructions>(self) -> Option<[usize; 2]> {
+        let Self { ridges: [first, second], columns } = self;
+        // Columns of the second hull's ridges, relative to the first ridge's start; padding has zero
+        // length.
+        const NONE: Singles = Singles([0.0; LANES]);
+        let origin = first.first()?.ends[0];
+        columns.clear();
+        columns.resize(second.len().div_ceil(LANES), [[NONE; 3]; 5]);
+        for (at, ridge) in second.iter().enumerate() {
+            let [beside, other_beside] = ridge.normals;
+            let start = ridge.ends[0] - origin;
+            let lines = [start, ridge.along, beside, other_beside, ridge.outward()];
+            for (columns, line) in columns[at / LANES].iter_mut().zip(lines) {
+                for (column, number) in columns.iter_mut().zip(line.to_array()) {
+                    column.0[at % LANES] = number as f32;
                 }
             }
-            let lane = best.lane();
-            if best.number.to_array()[lane] > f32::NEG_INFINITY {
-                found = Some([of_first.to_array()[lane] as usize, best.at()]);
-            }
-        },
-    );
-    found
+        }
+
+        let mut found = None;
+        I::run(
+            #[inline(always)]
+            || {
+                let parallel = Single::<I>::splat(PARALLEL * PARALLEL);
+                let (mut best, mut of_first) = (Best::none(), Single::<I>::ZERO);
+                for (at, ridge) in first.iter().enumerate() {
+                    let (along, start) =
+                        (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
+                    let normals =
+                        [Single3::splat(ridge.normals[0]), Single3::splat(ridge.normals[1])];
+                    let squared_length = along.dot(along);
+                    for (block, [other_start, other_along, beside, other_beside, outward]) in
+                        columns.iter().enumerate()
+                    {
+                        // Arcs of the Gauss map: the arc between the first edge's normals must cross
+                        // the arc between the second edge's negated normals, else other features are
+                        // further apart.
+                        let (other_along, beside, other_beside) =
+                            (three_of(other_along), three_of(beside), three_of(other_beside));
+                        let (c, d) = (beside.dot(along), other_beside.dot(along));
+                        let (u, v) = (-normals[0].dot(other_along), -normals[1].dot(other_along));
+                        let cross = negative(c * d).and(negative(u * v)).and(negative(-(c * v)));
+                        if !cross.any() {
+                            continue;
+                        }
+                        let across = along.cross(other_along);
+                        let squared = across.dot(across);
+                        let lengths = squared_length * other_along.dot(other_along);
+                        let outward = across.dot(three_of(outward));
+                        let apart = across.dot(start - three_of(other_start))
+                            * (Single::same(1.0) / squared.sqrt());
+                        let apart = negative(outward).select(-apart, apart);
+                        let counts = cross.and(squared.above(parallel * lengths));
+                        let apart = counts.select(apart, Single::same(f32::NEG_INFINITY));
+                        of_first =
+                            best.look(block, apart).select(Single::same(at as f32), of_first);
+                    }
+                }
+                let lane = best.lane();
+                if best.number.to_array()[lane] > f32::NEG_INFINITY {
+                    found = Some([of_first.to_array()[lane] as usize, best.at()]);
+                }
+            },
+        );
+        found
+    }
 }
 
 /// Lanes with negative numbers.

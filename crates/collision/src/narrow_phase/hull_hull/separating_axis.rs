@@ -2,7 +2,7 @@
 //! edges [Gregorius13].
 
 use crate::narrow_phase::hull_hull::feature_scan::{
-    IN_BOTH, furthest_edges, furthest_face, mark_within,
+    FurthestEdges, FurthestFace, IN_BOTH, MarkWithin,
 };
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::placement::Ridge;
@@ -42,8 +42,13 @@ pub(crate) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
     let (hull, other) = (pair.hulls[side].columns(), pair.hulls[1 - side].columns());
     let (own_from_other, other_from_own) =
         (pair.own_from_other(side), pair.own_from_other(1 - side));
-    let [face, vertex] =
-        with_widest!(pair.width, furthest_face(hull, other, own_from_other, other_from_own));
+    let kernel = FurthestFace {
+        hull,
+        other,
+        hull_from_other: own_from_other,
+        other_from_hull: other_from_own,
+    };
+    let [face, vertex] = with_widest(pair.width, kernel);
     FaceAxis::of_face(pair, side, face, vertex)
 }
 
@@ -84,7 +89,7 @@ pub(crate) fn gather_ridges(
             },
             HalfSpace { offset: face_of_other.offset + within, ..face_of_other },
         ];
-        with_widest!(pair.width, mark_within(hull.columns(), &layers, marks));
+        with_widest(pair.width, MarkWithin { hull: hull.columns(), spaces: &layers, marks });
         let spot = |vertex: u32| {
             let above = face_of_other.distance(hull.vertices()[vertex as usize]) - within;
             Spot { point: view.vertex(vertex as usize), above }
@@ -139,7 +144,8 @@ impl Spot {
 /// difference; `None` if all such pairs are parallel.
 pub(crate) fn edge_axis(pair: &HullPair, scratch: &mut Scratch) -> Option<EdgeAxis> {
     let Scratch { ridges: [first, second], ridge_columns, .. } = scratch;
-    let [at, other] = with_widest!(pair.width, furthest_edges([first, second], ridge_columns))?;
+    let [at, other] =
+        with_widest(pair.width, FurthestEdges { ridges: [first, second], columns: ridge_columns })?;
     EdgeAxis::of(&first[at], &second[other])
 }
 

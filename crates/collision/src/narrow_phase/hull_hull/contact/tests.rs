@@ -169,14 +169,14 @@ proptest! {
             prop_assert!((hulls[0].planes()[axis.face].distance(lowest) - axis.separation).abs() < 1e-12);
 
             let first = hulls[0].columns();
-            prop_assert!((with_widest!(width, inside(first, point)) - depth).abs() < CLOSE);
+            prop_assert!((with_widest(width, Inside { hull: first, point }) - depth).abs() < CLOSE);
 
             // Compare edge axes, bit by bit.
             let mut scratch = Scratch::default();
             let axes = [axis, face_axis(&pair, 1)];
             gather_ridges(&pair, &axes, 0.5, &mut scratch);
             let edges = edge_axis(&pair, &mut scratch);
-            let numbers = [with_widest!(width, inside(first, point)), edges.map_or(0.0, |axis| axis.separation)];
+            let numbers = [with_widest(width, Inside { hull: first, point }), edges.map_or(0.0, |axis| axis.separation)];
             let ridges = scratch.ridges.each_ref().map(Vec::len);
             let features = axes.map(|axis| [axis.face, axis.vertex]);
             found.insert((features, ridges, numbers.map(f64::to_bits)));
