@@ -2,6 +2,7 @@
 
 use crate::activity::{Activity, Substeps};
 use crate::collision_classes::{CollisionClass, CollisionClasses};
+use crate::enclosures::Enclosures;
 use crate::frame::MOST_SUBSTEPS;
 use crate::state::{Inertia, Pose, Velocity};
 use frangible_geometry::Shape;
@@ -136,6 +137,7 @@ pub struct Bodies {
     pub activities: Vec<Activity>,
     /// Which of them pass through each other.
     pub classes: CollisionClasses,
+    pub(crate) enclosures: Enclosures,
     slots: Slots,
 }
 

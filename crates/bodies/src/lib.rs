@@ -4,6 +4,7 @@
 mod activity;
 mod bodies;
 mod collision_classes;
+mod enclosures;
 mod frame;
 mod free_flight;
 mod pair;

@@ -91,6 +91,7 @@ impl Kernel for Solve<'_> {
             accounts: FrameAccounts::default(),
             gravity: (DVec3::ZERO, DVec3::ZERO),
             short_of_substeps: islands.short_of_substeps,
+            short_of_impacts: 0,
             confirmed: BTreeMap::new(),
             impacts: Vec::new(),
         };
@@ -104,6 +105,7 @@ impl Kernel for Solve<'_> {
         let room = || vec![NOWHERE; bodies.len()];
         let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
         for group in groups {
+            solved.short_of_impacts += usize::from(group.budget.is_short());
             parts.push(group.write_back(bodies, manifolds, frame, &mut solved));
         }
         let from = (start.poses(), &islands.substeps[..]);

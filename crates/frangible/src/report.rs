@@ -27,6 +27,9 @@ pub struct StepReport {
     /// Number of islands with fewer substeps than their accuracy needs, and larger overlaps:
     /// `most_substeps` is the limit, or for large islands the work of a frame.
     pub short_of_substeps: usize,
+    /// Number of groups of islands with more impacts than a frame has time for: the later ones were
+    /// stopped without bouncing. Zero but where bodies are crushed or rattle between others.
+    pub short_of_impacts: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,
     /// The energy books.

@@ -41,16 +41,15 @@ fn tetrahedron(kind: &Value) -> Value {
 /// Small worlds that hold all kinds of values between them, after some frames.
 fn worlds() -> Vec<World> {
     let cube = json!({"kind": "box", "size": [0.4, 0.4, 0.4]});
-    let voxels = json!({"kind": "box", "size": [0.4, 0.4, 0.4], "resolution": {"voxels": [8, 8, 8]}});
+    let voxels =
+        json!({"kind": "box", "size": [0.4, 0.4, 0.4], "resolution": {"voxels": [8, 8, 8]}});
     let voronoi = json!({"kind": "voronoi", "cells": 4});
     let compound = json!({"kind": "compound", "parts": [
         {"kind": "box", "size": [0.4, 0.2, 0.2]},
         {"kind": "box", "size": [0.2, 0.2, 0.4], "position": [0.0, 0.2, 0.0]},
     ]});
     let breaks = |pattern: Value| json!({"strength": 0.1, "pattern": pattern, "generations": 2});
-    let falls = |shape: &Value, at: [f64; 3]| {
-        json!({"shape": shape, "position": at, "linear_velocity": [0.0, -3.0, 0.0]})
-    };
+    let falls = |shape: &Value, at: [f64; 3]| json!({"shape": shape, "position": at, "linear_velocity": [0.0, -3.0, 0.0]});
     let with = |mut body: Value, fields: Value| {
         body.as_object_mut().unwrap().extend(fields.as_object().unwrap().clone());
         body
@@ -86,7 +85,7 @@ fn worlds() -> Vec<World> {
                 {"frame": 30.0, "position": [6.0, 2.0, 0.0]}]},
             with(falls(&cube, [0.0, 0.7, 0.2]), json!({"friction": 0.5})),
             falls(&cube, [3.0, 0.7, 0.2]),
-            with(falls(&cube, [0.0, 3.0, 0.2]), json!({"starts": "when-struck"})),
+            with(falls(&cube, [0.0, 3.0, 0.2]), json!({"starts": {"when": "struck"}})),
         ]),
     ];
     let after = |bodies: &Value| {
@@ -172,8 +171,7 @@ fn go_on(bytes: &[u8]) -> bool {
 fn what_is_crafted_is_refused_or_goes_on() {
     let given = std::env::var("MUTATIONS").ok().and_then(|count| count.parse().ok());
     let count: u64 = given.unwrap_or(FEW);
-    let snapshots: Vec<Vec<u8>> =
-        worlds().iter().map(|world| world.snapshot().unwrap()).collect();
+    let snapshots: Vec<Vec<u8>> = worlds().iter().map(|world| world.snapshot().unwrap()).collect();
     for snapshot in &snapshots {
         assert!(go_on(snapshot), "the intact world");
     }

@@ -89,6 +89,7 @@ pub use runs::{Run, Span};
 pub use sample_clusters::{ClusteredSamples, SampleCluster};
 pub use shape::{BodyFrame, Geometry, Shape};
 pub use static_mesh::StaticMesh;
+pub use static_mesh::closed_sheet::Compartment;
 pub use static_mesh::distance::NearestPoint;
 pub use static_mesh::heightfield::heightfield_mesh;
 pub use static_mesh::kinds::{EdgeKind, Neighbour, Sides};

@@ -3,6 +3,7 @@
 
 pub(crate) mod adjacency;
 pub(crate) mod box_tree;
+pub(crate) mod closed_sheet;
 pub(crate) mod covered_borders;
 pub(crate) mod distance;
 pub(crate) mod heightfield;
@@ -11,6 +12,7 @@ pub(crate) mod kinds;
 use crate::mesh::TriMesh;
 use adjacency::{Adjacency, around_vertices, find_adjacency};
 use box_tree::BoxTree;
+use closed_sheet::ClosedSheet;
 use frangible_math::check::{Check, Checked};
 use glam::{DVec3, Vec3};
 use kinds::{EdgeKind, Neighbour, Sides};
@@ -38,6 +40,9 @@ pub struct StaticMesh {
     #[serde(skip_serializing)]
     tree: BoxTree,
     sides: Sides,
+    /// If it is two-sided and closed.
+    #[serde(skip_serializing)]
+    closed: Option<Box<ClosedSheet>>,
     dropped: usize,
 }
 
@@ -93,8 +98,11 @@ impl StaticMesh {
             order.iter().map(|&triangle| triangles[triangle as usize]).collect();
         let adjacency = find_adjacency(&positions, &triangles, sides);
         let (begins, around) = around_vertices(positions.len(), &triangles);
+        let closed = (sides == Sides::Two)
+            .then(|| ClosedSheet::of(&positions, &triangles, &adjacency).map(Box::new))
+            .flatten();
         let mut built =
-            Self { positions, triangles, adjacency, around, begins, tree, sides, dropped };
+            Self { positions, triangles, adjacency, around, begins, tree, sides, closed, dropped };
         built.flatten_covered_borders();
         built.adjacency.mark_owners(&built.triangles, &built.begins, &built.around);
         let Self { tree, adjacency, .. } = &mut built;

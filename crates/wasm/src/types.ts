@@ -9,6 +9,7 @@ export interface StepReport {
   asleep: number;
   pairs_left_out: number;
   short_of_substeps: number;
+  short_of_impacts: number;
   /** Of all dynamic bodies [kg]. */
   mass: number;
   /** [J] */

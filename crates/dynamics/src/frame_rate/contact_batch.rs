@@ -330,6 +330,12 @@ impl<I: Instructions> ContactBatch<I> {
 }
 
 impl<I> ContactBatch<I> {
+    /// Solver lines of the first and the second body of a lane.
+    #[inline(always)]
+    pub(super) fn lines_of(&self, lane: usize) -> [usize; 2] {
+        [self.first_line + self.ids[0][lane] as usize, self.first_line + self.ids[1][lane] as usize]
+    }
+
     /// Solver lines of the first and of the second bodies.
     #[inline(always)]
     pub(super) fn lines(&self) -> [[usize; LANES]; 2] {

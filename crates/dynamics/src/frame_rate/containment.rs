@@ -169,14 +169,22 @@ fn meeting(
         }
         None => {
             let is_convex = matches!(shape.geometry, Geometry::ClosedForm(_) | Geometry::Hull(_));
-            let is_mesh = matches!(shape.geometry, Geometry::Mesh(_));
-            let is_behind = |point| shape.distance_and_gradient(point).0 <= 0.0;
+            let mesh = match &shape.geometry {
+                Geometry::Mesh(mesh) => Some(bodies.seen_by(mesh, other, body)),
+                _ => None,
+            };
+            let is_mesh = mesh.is_some();
+            let of_shape = |point| match mesh {
+                Some(mesh) => mesh.distance_and_gradient(point),
+                None => shape.distance_and_gradient(point),
+            };
+            let is_behind = |point| of_shape(point).0 <= 0.0;
             if is_mesh && is_behind(way.seen(core.center, 0.0)) {
                 return None;
             }
             // A body past the border of an open mesh has not gone through it, whichever side of its
             // rim's planes it is on.
-            let distance = |point| match shape.distance_and_gradient(point) {
+            let distance = |point| match of_shape(point) {
                 (distance, outward) if is_mesh && distance < 0.0 => (-distance, -outward),
                 in_front => in_front,
             };

@@ -4,7 +4,7 @@ use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::impact_log::Impact;
 use super::joint_lanes::companions;
-use super::restitution::{most_visits, propagate_impacts};
+use super::restitution::{ImpactBudget, propagate_impacts};
 use super::slabs::{Slab, Slabs};
 use super::solver_bodies::{Lines, SolverBodies};
 use super::solver_islands::CONTACT_RATE;
@@ -55,6 +55,7 @@ pub(super) struct Group<I> {
     /// Largest impact of each two lines, with [`FIXED`](super::joint_lanes::FIXED) for static
     /// bodies, in the lanes of those that may break.
     pub(super) impacts: Vec<([usize; 2], Impact)>,
+    pub(super) budget: ImpactBudget,
     pub(super) substeps: u32,
     /// Length of a substep [s].
     pub(super) h: f64,
@@ -134,6 +135,7 @@ impl<I: Instructions> Group<I> {
             }
         }
         let speculative = SpeculativeContacts::new(&batches, places);
+        let budget = ImpactBudget::of_frame(batches.len());
         Self {
             bodies: SolverBodies::new(bodies, body_of, frame.dt),
             selections,
@@ -143,6 +145,7 @@ impl<I: Instructions> Group<I> {
             touching: OnceCell::new(),
             speculative,
             impacts: Vec::new(),
+            budget,
             substeps,
             h,
         }
@@ -234,14 +237,14 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
         substep: &Substep<I>,
     ) {
-        let mut visits = most_visits(self.batches.len());
-        while visits > 0 {
-            let Self { batches, bodies: solver_bodies, touching, speculative, .. } = self;
+        self.budget.begin_substep();
+        while !self.budget.is_spent() {
+            let Self { batches, bodies: solver_bodies, touching, speculative, budget, .. } = self;
             let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
             let (times, asking) = ((&mut *timeline, touching), speculative.asking());
             I::run(
                 #[inline(always)]
-                || propagate_impacts(batches, solver_bodies, times, asking, &mut visits, substep),
+                || propagate_impacts(batches, solver_bodies, times, asking, budget, substep),
             );
             if self.confirm(bodies, contacts, now, frame).is_empty() {
                 break;

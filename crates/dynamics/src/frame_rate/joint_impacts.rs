@@ -55,7 +55,7 @@ impl JointImpact {
         (place, meeting): (Place, &Meeting<I>),
         substep: &Substep<I>,
     ) -> Option<Self> {
-        let lines = batches[place.batch()].lines().map(|lines| lines[place.lane()]);
+        let lines = batches[place.batch()].lines_of(place.lane());
         let line = lines.into_iter().find(|&line| bodies.lines[line].is_movable())?;
         let with = partner(batches, bodies, (line, place));
         let mut joint = Self { lines: [line, with], members: Vec::new(), points: Vec::new() };
@@ -75,9 +75,15 @@ impl JointImpact {
         (joint.members.len() > 1).then_some(joint)
     }
 
+    /// Work of the impact, in visits to batches [1]: each of two points sees the other in each of
+    /// some sweeps.
+    pub(super) fn work(&self) -> usize {
+        self.members.len() + self.points.len() * self.points.len() / 16
+    }
+
     /// Side of the first body in a lane, and the normal that points to it.
     fn seen_in<I: Instructions>(&self, batch: &ContactBatch<I>, lane: usize) -> (usize, DVec3) {
-        let is_first = batch.lines()[0][lane] == self.lines[0];
+        let is_first = batch.lines_of(lane)[0] == self.lines[0];
         let normal = batch.normal.get(lane);
         if is_first { (0, -normal) } else { (1, normal) }
     }

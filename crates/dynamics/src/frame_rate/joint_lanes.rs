@@ -41,7 +41,7 @@ pub(super) fn partner<I: Instructions>(
     bodies: &SolverBodies,
     (line, place): (usize, Place),
 ) -> usize {
-    let [first, second] = batches[place.batch()].lines().map(|lines| lines[place.lane()]);
+    let [first, second] = batches[place.batch()].lines_of(place.lane());
     let other = if first == line { second } else { first };
     if bodies.lines[other].is_movable() { other } else { FIXED }
 }

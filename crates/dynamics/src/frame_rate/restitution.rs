@@ -19,9 +19,55 @@ use frangible_math::{Instructions, LANES, Mask, Single, Single3};
 /// 63 batches and takes 1,000 visits. Later impacts are stopped without bouncing.
 const VISITS: usize = 32;
 
-/// Maximum number of visits to batches in a substep.
-pub(super) fn most_visits(batches: usize) -> usize {
-    VISITS * (VISITS + batches)
+/// Bounds the work of a frame to that of the visits of so many substeps. In 300 random worlds one
+/// frame in a thousand needs more; without a bound twelve bodies in a crusher took 0.9 s for one,
+/// and 120 took 6.4 s.
+const FULL_SUBSTEPS: usize = 4;
+
+/// Lanes of a body that are looked through in the time of a visit [1].
+const LOOKS: usize = 64;
+
+/// Batches that are asked for impacts in the time of a visit [1].
+const ASKS: usize = 8;
+
+/// What impacts may still cost.
+#[derive(Clone, Copy)]
+pub(super) struct ImpactBudget {
+    /// Visits to batches in a substep.
+    visits: usize,
+    most_visits: usize,
+    /// Work in a frame, in visits.
+    work: usize,
+}
+
+impl ImpactBudget {
+    pub(super) fn of_frame(batches: usize) -> Self {
+        let most_visits = VISITS * (VISITS + batches);
+        Self { visits: most_visits, most_visits, work: FULL_SUBSTEPS * most_visits }
+    }
+
+    pub(super) fn begin_substep(&mut self) {
+        self.visits = self.most_visits;
+    }
+
+    /// True if all impacts from here on are stopped.
+    pub(super) fn is_spent(&self) -> bool {
+        self.visits == 0 || self.work == 0
+    }
+
+    /// True if the work of the frame is done before the frame is.
+    pub(super) fn is_short(&self) -> bool {
+        self.work == 0
+    }
+
+    fn visit(&mut self) {
+        self.visits = self.visits.saturating_sub(1);
+        self.work(1);
+    }
+
+    fn work(&mut self, work: usize) {
+        self.work = self.work.saturating_sub(work);
+    }
 }
 
 /// Maximum number of Gauss-Seidel sweeps over the points of an impact, and change of a velocity in a
@@ -31,14 +77,14 @@ const CLOSE: f32 = 1e-4;
 
 /// Propagates impacts until no contact approaches faster than the threshold. In each round a pair
 /// may bounce only if neither body has an earlier impact: a body that travels past several
-/// neighbours in a substep hits the nearest first. Each visit to a batch is taken off `visits`.
+/// neighbours in a substep hits the nearest first. What that costs is taken off `budget`.
 #[inline(always)]
 pub(super) fn propagate_impacts<I: Instructions>(
     batches: &mut [ContactBatch<I>],
     bodies: &mut SolverBodies,
     (timeline, touching): (&mut Timeline, &Touching),
     asking: &BatchFlags,
-    visits: &mut usize,
+    budget: &mut ImpactBudget,
     substep: &Substep<I>,
 ) {
     let may_bounce = |batch: &ContactBatch<I>| batch.may_bounce && batch.bounces.any();
@@ -51,9 +97,9 @@ pub(super) fn propagate_impacts<I: Instructions>(
     }
     loop {
         timeline.next_round();
-        let mut from = 0;
+        let (mut from, mut count) = (0, 0);
         while let Some(at) = asked.take_from(from) {
-            from = at + 1;
+            (from, count) = (at + 1, count + 1);
             let batch = &mut batches[at];
             let lines = &bodies.lines(batch.first_line..bodies.lines.len());
             let of_batch = BatchLines::new(batch);
@@ -68,17 +114,19 @@ pub(super) fn propagate_impacts<I: Instructions>(
                 coming.insert(at);
             }
         }
+        budget.work(count / ASKS);
         if coming.is_empty() {
             break;
         }
         let mut from = 0;
         while let Some(at) = coming.take_from(from) {
             from = at + 1;
-            if *visits == 0 {
+            if budget.is_spent() {
                 continue;
             }
-            *visits -= 1;
-            let joint = bounce_jointly(batches, bodies, (timeline, touching), at, substep);
+            budget.visit();
+            let links = (&mut *timeline, touching, &mut *budget);
+            let joint = bounce_jointly(batches, bodies, links, at, substep);
             let batch = &mut batches[at];
             let of_batch = BatchLines::new(batch);
             let mut lines = bodies.lines(batch.first_line..bodies.lines.len());
@@ -101,7 +149,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
                 }
             }
         }
-        if *visits == 0 {
+        if budget.is_spent() {
             break;
         }
     }
@@ -116,7 +164,7 @@ pub(super) fn propagate_impacts<I: Instructions>(
 fn bounce_jointly<I: Instructions>(
     batches: &mut [ContactBatch<I>],
     bodies: &mut SolverBodies,
-    (timeline, touching): (&mut Timeline, &Touching),
+    (timeline, touching, budget): (&mut Timeline, &Touching, &mut ImpactBudget),
     at: usize,
     substep: &Substep<I>,
 ) -> Vec<(usize, f32)> {
@@ -133,7 +181,11 @@ fn bounce_jointly<I: Instructions>(
     for lane in (0..LANES).filter(|&lane| are_next.get(lane)) {
         let of_lane = (Place::new(at, lane), &meeting);
         let joint = JointImpact::of_lane(batches, bodies, (timeline, touching), of_lane, substep);
+        let [first, second] = batches[at].lines_of(lane);
+        let looked_through = touching.lanes(first).len().max(touching.lanes(second).len());
+        budget.work(looked_through / LOOKS);
         if let Some(joint) = joint {
+            budget.work(joint.work());
             changed.extend(joint.bounce(batches, bodies, timeline, substep));
         }
     }

@@ -60,6 +60,7 @@ fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
         accounts: FrameAccounts::default(),
         gravity: (DVec3::ZERO, DVec3::ZERO),
         short_of_substeps: 0,
+        short_of_impacts: 0,
         confirmed: BTreeMap::new(),
     };
     for _ in 0..frames {

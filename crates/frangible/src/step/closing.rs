@@ -69,6 +69,7 @@ impl Opening {
             bodies: world.bodies.len(),
             pairs_left_out: moved.left_out,
             short_of_substeps: moved.short_of_substeps,
+            short_of_impacts: moved.short_of_impacts,
             asleep: world.bodies.ids.iter().filter(|&&id| world.is_asleep(id)).count(),
             waiting: world.labels.iter().filter(|label| label.waiting.is_some()).count(),
             mass: after.mass,

@@ -21,6 +21,8 @@ pub(crate) struct Moved {
     pub(crate) left_out: usize,
     /// Number of islands with fewer substeps than needed.
     pub(crate) short_of_substeps: usize,
+    /// Number of groups of islands whose later impacts did not bounce.
+    pub(crate) short_of_impacts: usize,
     /// Bodies removed before the solver.
     pub(crate) quarantined: Vec<Quarantined>,
     /// State at the solver's start.

@@ -64,6 +64,7 @@ pub(crate) fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut Stag
         accounts,
         left_out: 0,
         short_of_substeps: 0,
+        short_of_impacts: 0,
         quarantined: Vec::new(),
         before,
         hit: Vec::new(),

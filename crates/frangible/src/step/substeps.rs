@@ -49,6 +49,7 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
             accounts,
             left_out: solved.left_out,
             short_of_substeps: solved.short_of_substeps,
+            short_of_impacts: solved.short_of_impacts,
             quarantined,
             before: solved.before,
             hit: solved.hit,
@@ -75,6 +76,7 @@ struct SolvedFrame {
     accounts: FrameAccounts,
     left_out: usize,
     short_of_substeps: usize,
+    short_of_impacts: usize,
     before: Before,
     hit: Vec<BodyId>,
     /// Loads of bonds in the next frame.
@@ -92,6 +94,8 @@ fn solve_frame(
 ) -> SolvedFrame {
     let predicted = predict(&world.bodies, frame);
     let swept = Swept::new(&world.bodies, &predicted, frame.speculative_margin(), frame);
+    let World { bodies, labels, .. } = &mut *world;
+    bodies.note_enclosures(&swept.pairs, |i| labels[i].parent);
     clock.lap("find_pairs");
 
     // Contact manifolds of the pairs near each other's paths [Gregorius13], and of those that an
@@ -111,7 +115,7 @@ fn solve_frame(
     let contact_free = ContactFreeState::new(bodies, predicted, accounts, frame);
     let before = Before::of(bodies);
     let pressed_before = waiting_contacts(bodies, labels, &manifolds, warm, frame);
-    let Solved { accounts, gravity, short_of_substeps, confirmed, impacts } =
+    let Solved { accounts, gravity, short_of_substeps, short_of_impacts, confirmed, impacts } =
         solve(bodies, (&manifolds, &found.neighbours), warm, frame);
 
     // Impulses of the frame: blows on waiting bodies, and loads of bonds in the next frame.
@@ -131,6 +135,7 @@ fn solve_frame(
         accounts,
         left_out,
         short_of_substeps,
+        short_of_impacts,
         before,
         hit,
         glued_forces,

@@ -57,6 +57,9 @@ impl<'a> MeshMotion<'a> {
         mesh_is_first: bool,
     ) -> Self {
         let dt = pair_motion.frame.dt;
+        let Pair { first, second } = pair_motion.pair;
+        let (sheet, body) = if mesh_is_first { (first, second) } else { (second, first) };
+        let mesh = pair_motion.bodies.seen_by(mesh, sheet, body);
         let turn = |path: &BallisticPath| path.angular.length() * dt;
         let turn = turn(pair_motion.paths[0]) + turn(pair_motion.paths[1]);
         let parts = ((turn / MOST_TURN) as usize + 1).min(MOST_PARTS);
