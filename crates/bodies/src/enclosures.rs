@@ -8,13 +8,13 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Depth at which a body is no longer where it was, relative to its radius [1]: what sank further
-/// does not come back.
+/// Depth at which a body is no longer where it was, in units of its radius and of its way in a
+/// frame [1]: a caller may have put the sheet elsewhere.
 const LOST: f64 = 2.0;
 
 /// Compartments of bodies that are near closed sheets.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Enclosures {
+pub(crate) struct Enclosures {
     /// By sheet and body.
     known: BTreeMap<[BodyId; 2], u32>,
 }
@@ -44,9 +44,14 @@ fn point_inside(shape: &Shape) -> DVec3 {
 }
 
 impl Bodies {
-    /// Notes where the bodies of pairs are that may meet closed sheets. What was noted before
-    /// holds; a body that is new is where its parent was.
-    pub fn note_enclosures(&mut self, pairs: &[Pair], parent: impl Fn(usize) -> Option<BodyId>) {
+    /// Notes where the bodies of pairs are that may meet closed sheets in frames of `dt` [s]. What
+    /// was noted before holds; a body that is new is where its parent was.
+    pub fn note_enclosures(
+        &mut self,
+        pairs: &[Pair],
+        dt: f64,
+        parent: impl Fn(usize) -> Option<BodyId>,
+    ) {
         let is_sheet: Vec<bool> = (0..self.len())
             .map(|i| self.inertias[i].is_infinite() && closed_sheet(&self.shapes[i]).is_some())
             .collect();
@@ -62,10 +67,10 @@ impl Bodies {
                 let of_body = |id: BodyId| last.get(&[self.ids[sheet], id]).copied();
                 let noted = of_body(self.ids[body]).or_else(|| of_body(parent(body)?));
                 let sheet_from_world = self.poses[sheet].world_from_body().inverse();
-                let inside =
-                    self.poses[body].world_from_body().point(point_inside(&self.shapes[body]));
+                let inside = self.poses[body].world_from_body().point(self.point_inside(body));
                 let point = sheet_from_world.point(inside);
-                let least = -LOST * self.radii[body];
+                let way = dt * self.velocities[body].linear.length();
+                let least = -LOST * (self.radii[body] + way);
                 let holds = |&noted: &u32| {
                     mesh.seen_from(Compartment(noted)).distance_and_gradient(point).0 > least
                 };
@@ -73,6 +78,24 @@ impl Bodies {
                 self.enclosures.known.insert([self.ids[sheet], self.ids[body]], noted);
             }
         }
+    }
+
+    /// A point inside of a body, body frame [m].
+    pub fn point_inside(&self, body: usize) -> DVec3 {
+        point_inside(&self.shapes[body])
+    }
+
+    /// Closed sheets and the bodies near them, by dense index.
+    pub fn enclosed(&self) -> Vec<[usize; 2]> {
+        let pairs = self.enclosures.known.keys();
+        pairs
+            .filter_map(|&[sheet, body]| Some([self.index_of(sheet)?, self.index_of(body)?]))
+            .collect()
+    }
+
+    /// True if the side of a mesh is known that a body is on.
+    pub fn is_enclosed(&self, sheet: usize, body: usize) -> bool {
+        self.enclosures.known.contains_key(&[self.ids[sheet], self.ids[body]])
     }
 
     /// The mesh of a body, as another one meets it.

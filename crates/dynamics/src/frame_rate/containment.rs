@@ -106,6 +106,57 @@ pub(super) fn contain(
             stop(bodies, body, &[other], (starts, frame), accounts);
         }
     }
+    keep_enclosed(bodies, starts, moves, frame, accounts);
+}
+
+/// Puts bodies back that have left the space which a closed sheet bounds, to where its surface is
+/// nearest, and takes their velocity into it.
+fn keep_enclosed(
+    bodies: &mut Bodies,
+    starts: &[Pose],
+    moves: impl Fn(&Bodies, usize) -> bool,
+    frame: &Frame,
+    accounts: &mut FrameAccounts,
+) {
+    for [sheet, body] in bodies.enclosed() {
+        let [own, shape] = [sheet, body].map(|i| bodies.shapes[i].clone());
+        let Geometry::Mesh(mesh) = &own.geometry else { continue };
+        let center = bodies.point_inside(body);
+        for _ in 0..MOST_STOPS {
+            let end = end_of(bodies, sheet, starts, frame).world_from_body();
+            let point = end.inverse().point(bodies.poses[body].world_from_body().point(center));
+            let seen = bodies.seen_by(mesh, sheet, body);
+            let (distance, outward) = seen.distance_and_gradient(point);
+            if distance >= 0.0 || !moves(bodies, body) {
+                break;
+            }
+            let inside = STOPS_AT * inner_radius(&shape, center);
+            let position = end.point(point + (inside - distance) * outward);
+            let normal = end.direction(outward);
+            let meeting = Meeting { other: sheet, center, fraction: 1.0, position, normal };
+            part(bodies, body, &meeting, accounts);
+        }
+    }
+}
+
+/// Of a ball inside of a body, around a point that [`Bodies::point_inside`] found [m].
+fn inner_radius(shape: &Shape, center: DVec3) -> f64 {
+    let depth = |part: &Part| -part.hull.distance_and_gradient(center).0;
+    let depth = match &shape.compound {
+        Some(compound) => compound.parts().iter().map(depth).fold(0.0, f64::max),
+        None => -shape.distance_and_gradient(center).0,
+    };
+    depth.max(0.0)
+}
+
+/// Pose of a body at the frame's end.
+fn end_of(bodies: &Bodies, body: usize, starts: &[Pose], frame: &Frame) -> Pose {
+    match bodies.motions[body] {
+        Motion::Kinematic { .. } => {
+            evolve(bodies, body, &starts[body], &bodies.velocities[body], frame)
+        }
+        Motion::Static | Motion::Dynamic => bodies.poses[body],
+    }
 }
 
 /// True if two bodies moved far enough relative to each other.
@@ -151,12 +202,7 @@ fn meeting(
     [body, other]: [usize; 2],
     core: &Core,
 ) -> Option<Meeting> {
-    let end = match bodies.motions[other] {
-        Motion::Kinematic { .. } => {
-            evolve(bodies, other, &starts[other], &bodies.velocities[other], frame)
-        }
-        Motion::Static | Motion::Dynamic => bodies.poses[other],
-    };
+    let end = end_of(bodies, other, starts, frame);
     let way = Way { starts: [starts[body], starts[other]], ends: [bodies.poses[body], end] };
     let shape = &*bodies.shapes[other];
     let (fraction, point, gradient) = match &shape.compound {

@@ -95,7 +95,7 @@ fn solve_frame(
     let predicted = predict(&world.bodies, frame);
     let swept = Swept::new(&world.bodies, &predicted, frame.speculative_margin(), frame);
     let World { bodies, labels, .. } = &mut *world;
-    bodies.note_enclosures(&swept.pairs, |i| labels[i].parent);
+    bodies.note_enclosures(&swept.pairs, frame.dt, |i| labels[i].parent);
     clock.lap("find_pairs");
 
     // Contact manifolds of the pairs near each other's paths [Gregorius13], and of those that an

@@ -46,6 +46,8 @@ pub(crate) struct MeshMotion<'a> {
     pub(crate) thin: f64,
     /// Width of the rims of faces [m].
     pub(crate) rim: f64,
+    /// True if the body is known to belong in front of all of the mesh.
+    pub(crate) is_enclosed: bool,
     /// Triangles near the body.
     pub(crate) nearby: Nearby,
 }
@@ -59,6 +61,7 @@ impl<'a> MeshMotion<'a> {
         let dt = pair_motion.frame.dt;
         let Pair { first, second } = pair_motion.pair;
         let (sheet, body) = if mesh_is_first { (first, second) } else { (second, first) };
+        let is_enclosed = mesh.is_closed_sheet() && pair_motion.bodies.is_enclosed(sheet, body);
         let mesh = pair_motion.bodies.seen_by(mesh, sheet, body);
         let turn = |path: &BallisticPath| path.angular.length() * dt;
         let turn = turn(pair_motion.paths[0]) + turn(pair_motion.paths[1]);
@@ -73,6 +76,7 @@ impl<'a> MeshMotion<'a> {
             starts: pair_motion.paths.map(|path| path.start.world_from_body()),
             thin: THIN * pair_motion.size,
             rim: RIM * pair_motion.size,
+            is_enclosed,
             nearby: Nearby::default(),
         };
         if mesh_is_first {

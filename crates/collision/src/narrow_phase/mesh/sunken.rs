@@ -23,7 +23,11 @@ pub(crate) fn sunken_contact(
 ) -> Option<MeshContact> {
     let (mesh, size) = (motion.mesh, motion.pair_motion.size);
     let center_mesh = motion.start().point(center);
-    let most = if mesh.sides() == Sides::One { DEPTH * size } else { radius };
+    let most = match mesh.sides() {
+        _ if motion.is_enclosed => f64::INFINITY,
+        Sides::One => DEPTH * size,
+        Sides::Two => radius,
+    };
     let nearest = mesh.nearest(center_mesh, most)?;
     let (distance, normal) = mesh.distance_and_gradient(center_mesh);
     let is_beside = distance < 0.0 && is_on_border(mesh, &nearest, BESIDE * size);
