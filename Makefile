@@ -30,7 +30,7 @@ PLAYGROUND := web/dist/playground/playground.html
 NPM := web/npm/dist/three.js
 NPM_SOURCES := $(shell find web/npm/src -type f) web/npm/build.mjs web/npm/tsconfig.json web/npm/package.json
 
-.PHONY: help build web npm site publish-check demo verify claims soak resume oracle explore test test-rust test-python test-web test-wasm test-blender clean
+.PHONY: help build web npm site publish-check demo verify claims soak resume oracle edited-worlds explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -61,6 +61,9 @@ resume: build ## Kill a run of rain-100 at ten random places: it goes on to the 
 oracle: ## Compare contacts with an oracle in a million pairs of every two shapes: hours
 	ORACLE_PAIRS=$${ORACLE_PAIRS:-1000000} cargo test --release --locked -p frangible-collision --lib \
 	  a_million_pairs -- --ignored --nocapture
+
+edited-worlds: ## Edit random worlds as they run, and tell what is lost, stalls or panics
+	WORLDS=$${WORLDS:-1000} cargo test --release --locked -p frangible --test edited_worlds -- --nocapture
 
 explore: ## Check properties on other cases than the tests draw, from the seed it prints
 	seed=$$(date +%s); echo "PROPTEST_RNG_SEED=$$seed"; \

@@ -7,6 +7,7 @@
     reason = "a test that cannot go on fails"
 )]
 
+use frangible::bodies::StepSettings;
 use frangible::{
     BodyDesc, Method, Quality, Resolution, SceneDesc, ShapeDesc, SolverDesc, World, step,
 };
@@ -47,6 +48,28 @@ fn what_is_short_of_substeps_is_reported() {
         step(&mut World::build(&scene).unwrap()).short_of_substeps
     };
     assert_eq!([short(8), short(128)], [1, 0]);
+}
+
+/// No settings can be set with which a frame would not end.
+#[test]
+fn settings_that_hang_are_refused() {
+    let mut world = World::build(&resting(SolverDesc::default())).unwrap();
+    let known = *world.settings();
+    for settings in [
+        StepSettings { substeps: 0, ..known },
+        StepSettings { substeps: 12, ..known },
+        StepSettings { most_substeps: 4, ..known },
+        StepSettings { substeps: 1 << 31, most_substeps: 1 << 31, ..known },
+        StepSettings { breaking_passes: u32::MAX, ..known },
+        StepSettings { recovery_speed: f64::NAN, ..known },
+        StepSettings { bank_cap: f64::INFINITY, ..known },
+    ] {
+        let error = world.set_settings(settings).unwrap_err().to_string();
+        assert!(error.starts_with("settings: "), "{error}");
+        assert_eq!(*world.settings(), known);
+    }
+    world.set_settings(StepSettings { substeps: 4, ..known }).unwrap();
+    step(&mut world);
 }
 
 #[test]
