@@ -52,6 +52,10 @@ type Only = crate::instructions::scalar::Scalar;
 
 /// Work over lanes that [`with_widest`] gives instructions to. The instruction sets themselves have
 /// no names outside of this crate: only sets that the machine has reach a kernel.
+///
+/// ```compile_fail
+/// use frangible_math::Avx512;
+/// ```
 pub trait Kernel {
     /// What it computes.
     type Output;

@@ -94,6 +94,8 @@ fn smaller_strength(bodies: &Bodies, pair: Pair) -> f64 {
 pub struct Strike {
     /// The two that meet.
     pub pair: Pair,
+    /// Start of the substep in which they do, from the frame's start [s].
+    pub time: f64,
     /// Contact at the frame's start, with the normal towards the first body.
     pub contact: ContactPoint,
     /// Part of the impact up to the smaller strength, on the first body [N s].
@@ -111,14 +113,14 @@ pub fn strikes(bodies: &Bodies, mut impacts: Vec<Impact>, local: LocalStrength) 
     });
     let mut strikes = Vec::new();
     for impact in impacts {
-        let Impact { pair, impulse, contact, acts_at, .. } = impact;
+        let Impact { pair, time, impulse, contact, acts_at, .. } = impact;
         let size = impulse.length();
         let blows = blows_of(bodies, pair, (acts_at, size), local, || touch(bodies, &impact));
         let Some(borne) = blows.iter().flatten().map(|blow| blow.borne).reduce(f64::min) else {
             continue;
         };
         let contact = ContactPoint { point: acts_at, normal: contact.normal };
-        strikes.push(Strike { pair, contact, impulse: impulse * (borne / size), blows });
+        strikes.push(Strike { pair, time, contact, impulse: impulse * (borne / size), blows });
     }
     strikes
 }

@@ -81,9 +81,9 @@ pub(crate) fn break_and_book(
     book(world, accounts, frame, |world, accounts| break_bodies(world, blows, accounts))
 }
 
-/// Breaks bodies by impacts of which nothing has acted yet, in their order. Each body takes part in
-/// the first that breaks something. An impact passes on what the weaker body bears only if pieces
-/// come off.
+/// Breaks bodies by impacts of which nothing has acted yet, in their order. An impact passes on what
+/// the weaker body bears only if pieces come off. What came after a break of one of its bodies, or
+/// after that body was turned off its way by breaking a heavier one, is left to the next pass.
 pub(crate) fn break_by_strikes(
     world: &mut World,
     strikes: &[Strike],
@@ -91,33 +91,52 @@ pub(crate) fn break_by_strikes(
     frame: &Frame,
 ) -> Vec<Fracture> {
     book(world, accounts, frame, |world, accounts| {
-        let mut took_part = vec![false; world.bodies.len()];
-        let mut breaks = Vec::new();
+        let mut knows_until = vec![f64::INFINITY; world.bodies.len()];
+        let mut breaks: Vec<Break> = Vec::new();
         for strike in strikes {
             let both = strike.pair.both();
-            if both.into_iter().any(|i| took_part[i]) {
+            if both.into_iter().any(|i| strike.time > knows_until[i])
+                || breaks.iter().any(|broken| both.contains(&broken.parent))
+            {
                 continue;
             }
-            let before = both.map(|i| world.bodies.velocities[i]);
-            let mut trial = FrameAccounts::default();
-            strike.pass_on(&mut world.bodies, frame, &mut trial);
-            let first = breaks.len();
-            for blow in strike.blows.iter().flatten() {
-                let parent = world.bodies.index_of(blow.body);
-                breaks.extend(parent.and_then(|parent| crack(world, blow, parent, &mut trial)));
+            let broken = crack_by_strike(world, strike, accounts, frame);
+            let inverse_mass = both.map(|i| world.bodies.inertias[i].inverse_mass);
+            for (side, i) in both.into_iter().enumerate() {
+                if !broken.is_empty() && inverse_mass[side] >= inverse_mass[1 - side] {
+                    knows_until[i] = knows_until[i].min(strike.time);
+                }
             }
-            if breaks.len() == first {
-                both.into_iter().zip(before).for_each(|(i, v)| world.bodies.velocities[i] = v);
-                continue;
-            }
-            accounts.add(trial);
-            for i in both.into_iter().filter(|&i| !world.bodies.inertias[i].is_infinite()) {
-                took_part[i] = true;
-            }
+            breaks.extend(broken);
         }
         replace(world, breaks)
     })
     .0
+}
+
+/// Cracks the bodies that an impact breaks, and passes on what is borne; or nothing.
+fn crack_by_strike(
+    world: &mut World,
+    strike: &Strike,
+    accounts: &mut FrameAccounts,
+    frame: &Frame,
+) -> Vec<Break> {
+    let both = strike.pair.both();
+    let before = both.map(|i| world.bodies.velocities[i]);
+    let mut trial = FrameAccounts::default();
+    strike.pass_on(&mut world.bodies, frame, &mut trial);
+    let blows = strike.blows.iter().flatten();
+    let cracked = blows.filter_map(|blow| {
+        let parent = world.bodies.index_of(blow.body)?;
+        crack(world, blow, parent, &mut trial)
+    });
+    let broken: Vec<Break> = cracked.collect();
+    if broken.is_empty() {
+        both.into_iter().zip(before).for_each(|(i, v)| world.bodies.velocities[i] = v);
+    } else {
+        accounts.add(trial);
+    }
+    broken
 }
 
 /// Breaks bodies and books the energy that no other cause has.
