@@ -127,9 +127,16 @@ class Pattern:
         smaller.
         """
 
-    def with_pieces_by(self, pieces: int, attempt: Callable[[Pattern], int]) -> tuple[Pattern, int]:
+    def with_pieces_by(
+        self,
+        pieces: int,
+        attempt: Callable[[Pattern], int],
+        mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]] | None = None,
+        at: Sequence[float] = ...,
+        normal: Sequence[float] = ...,
+    ) -> tuple[Pattern, int]:
         """As `with_pieces`, where ``attempt`` breaks something with a pattern, and says how many
-        pieces there are."""
+        pieces there are. With a closed mesh the patterns are made for it."""
 
     def save(self, path: str) -> None:
         """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be

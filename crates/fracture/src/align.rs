@@ -34,14 +34,11 @@ impl Placement {
         struck: &Shape,
         settings: &ShatterSettings,
     ) -> Self {
-        let grid_from_body = struck.body_from_grid.inverse();
-        let impact_grid = Impact {
-            point_body: grid_from_body.point(impact.point_body),
-            normal_body: grid_from_body.direction(impact.normal_body),
-        };
-        let corners_grid = corners(struck.bounds).map(|corner| grid_from_body.point(corner));
+        let (impact_grid, corners_grid) = in_grid_frame(impact, struck);
         let mut placement = Self::twisted(pattern, &impact_grid, &corners_grid, settings.twist);
-        if let Some(scale) = settings.reach.and_then(|reach| reach.scale(pattern)) {
+        if pattern.scale.is_none()
+            && let Some(scale) = settings.reach.and_then(|reach| reach.scale(pattern))
+        {
             placement.scale = placement.scale.min(scale * pattern.magnification);
         }
         placement
@@ -53,14 +50,28 @@ impl Placement {
         Self::twisted(pattern, impact, corners_grid, 0.0)
     }
 
-    fn twisted(pattern: &Pattern, impact: &Impact, corners_grid: &[DVec3; 8], twist: f64) -> Self {
-        let point_grid = impact.point_body;
+    /// The axes along which a pattern lies on a body, and the impact, in its grid frame.
+    pub(crate) fn axes(impact: &Impact, struck: &Shape, twist: f64) -> (DMat3, Impact) {
+        let (impact_grid, corners_grid) = in_grid_frame(impact, struck);
+        (Self::axes_around(&impact_grid, &corners_grid, twist), impact_grid)
+    }
+
+    /// The same of a box around a body.
+    pub(crate) fn axes_around(impact: &Impact, corners_grid: &[DVec3; 8], twist: f64) -> DMat3 {
         let z = impact.normal_body.normalize();
         let mut x = longest_axis_across(z, corners_grid);
         if twist != 0.0 {
             x = libm::cos(twist) * x + libm::sin(twist) * z.cross(x);
         }
-        let grid_from_pattern = DMat3::from_cols(x, z.cross(x), z);
+        DMat3::from_cols(x, z.cross(x), z)
+    }
+
+    fn twisted(pattern: &Pattern, impact: &Impact, corners_grid: &[DVec3; 8], twist: f64) -> Self {
+        let point_grid = impact.point_body;
+        let grid_from_pattern = Self::axes_around(impact, corners_grid, twist);
+        if let Some(scale) = pattern.scale {
+            return Self { grid_from_pattern, scale, center_pattern: pattern.center, point_grid };
+        }
 
         // The scale at which the farthest corner reaches the wall of the box on its side.
         let mut scale = 0.0f64;
@@ -79,6 +90,16 @@ impl Placement {
 pub fn align_pattern(pattern: &Pattern, impact: &Impact, struck: &Shape) -> Vec<Region> {
     let placement = Placement::new(pattern, impact, struck);
     pattern.planar().unwrap_or_default().iter().map(|region| placement.region(region)).collect()
+}
+
+/// An impact and the corners of a body's box in its grid frame.
+fn in_grid_frame(impact: &Impact, struck: &Shape) -> (Impact, [DVec3; 8]) {
+    let grid_from_body = struck.body_from_grid.inverse();
+    let impact_grid = Impact {
+        point_body: grid_from_body.point(impact.point_body),
+        normal_body: grid_from_body.direction(impact.normal_body),
+    };
+    (impact_grid, corners(struck.bounds).map(|corner| grid_from_body.point(corner)))
 }
 
 /// The eight corners of a box.

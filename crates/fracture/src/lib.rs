@@ -8,6 +8,7 @@ mod align;
 mod bonds;
 mod cell_mesh;
 mod crater;
+mod filling;
 mod fragment;
 mod generators;
 mod grid_pieces;
@@ -33,6 +34,7 @@ mod velocities;
 
 pub use align::{Impact, align_pattern};
 pub use bonds::{BondStrength, GaveWay, Glued, PointLoad};
+pub use filling::Filling;
 pub use fragment::Fragment;
 pub use generators::bricks::Bricks;
 pub use generators::concrete::Concrete;

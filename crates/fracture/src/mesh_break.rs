@@ -65,7 +65,9 @@ pub fn cutters(
     coarseness: f64,
 ) -> Vec<Cutter> {
     let mut placement = Placement::around(pattern, impact, &corners((low, high)));
-    placement.scale *= 1.0 + CLEAR_OF_THE_BOX;
+    if pattern.scale.is_none() {
+        placement.scale *= 1.0 + CLEAR_OF_THE_BOX;
+    }
 
     // Place the cells in the mesh's frame.
     let volume = 8.0 * pattern.half_extent.element_product();

@@ -28,6 +28,9 @@ pub struct Pattern {
     /// patterns have fewer cells in the body.
     #[serde(default = "unmagnified", skip_serializing_if = "is_unmagnified")]
     pub magnification: f64,
+    /// Metres per unit of a pattern that was made for a body; others are as large as encloses it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
     /// The cells that are mortar between others, in ascending order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<usize>,
@@ -62,6 +65,7 @@ impl Pattern {
             half_extent,
             center: DVec3::ZERO,
             magnification: unmagnified(),
+            scale: None,
             joints: Vec::new(),
             cells: Cells::Planar(regions),
         }
@@ -83,6 +87,7 @@ impl Pattern {
             half_extent: self.half_extent,
             center: self.center,
             magnification: self.magnification,
+            scale: self.scale,
             joints: self.joints.clone(),
             cells: Cells::Planar(rough.regions.clone()),
         })

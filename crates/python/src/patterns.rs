@@ -3,7 +3,7 @@
 use crate::errors::build_error;
 use crate::mesh::PyMesh;
 use crate::{convert, threads};
-use frangible::fracture::{Impact, MOST_CELLS, MeshBreakError, ShatterSettings, shatter};
+use frangible::fracture::{Filling, Impact, MOST_CELLS, MeshBreakError, ShatterSettings, shatter};
 use frangible::{Fineness, PatternDesc, PatternFile, fracture};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyValueError};
@@ -57,6 +57,7 @@ impl Pattern {
     fn searched(
         &self,
         pieces: usize,
+        filling: Option<&Filling>,
         mut attempt: impl FnMut(&fracture::Pattern) -> usize,
     ) -> Option<(Self, usize)> {
         // A pattern without a description, such as a file's, cannot be made finer.
@@ -65,8 +66,13 @@ impl Pattern {
             .clone()
             .unwrap_or_else(|| PatternDesc::File(PatternFile { path: PathBuf::new() }));
         let fineness = Fineness::new(desc, Arc::new(self.0.clone()));
-        let found = fineness.search(pieces, PIECES_WITHIN, |pattern| (attempt(pattern), ()))?;
+        let counted = |pattern: &fracture::Pattern| (attempt(pattern), ());
+        let found = fineness.search_in(filling, (pieces, PIECES_WITHIN), counted)?;
         Some((Self(fracture::Pattern::clone(&found.pattern), self.1.clone()), found.count))
+    }
+
+    fn seed(&self) -> Option<u64> {
+        self.1.as_ref().and_then(PatternDesc::seed)
     }
 
     fn check(&self, cell: usize) -> PyResult<()> {
@@ -112,7 +118,7 @@ impl Pattern {
     ) -> PyResult<(Self, usize)> {
         check_pieces(pieces)?;
         let found = match mesh {
-            None => threads::detached(py, || self.searched(pieces, fracture::Pattern::len))?,
+            None => threads::detached(py, || self.searched(pieces, None, fracture::Pattern::len))?,
             Some(mesh) => {
                 let mesh = mesh.to_mesh()?;
                 let impact = Impact { point_body: at.into(), normal_body: normal.into() };
@@ -122,7 +128,10 @@ impl Pattern {
                 };
                 threads::detached(py, || {
                     let body = fracture::sampled_body(&mesh, voxels)?;
-                    Ok(self.searched(pieces, |pattern| {
+                    let of_body =
+                        |seed| Filling::of_body(&body, &impact, &settings, (pieces, seed));
+                    let filling = self.seed().and_then(of_body);
+                    Ok(self.searched(pieces, filling.as_ref(), |pattern| {
                         shatter(&body, pattern, &impact, &settings).len()
                     }))
                 })?
@@ -133,16 +142,26 @@ impl Pattern {
     }
 
     /// As [`Pattern::with_pieces`]; `attempt` breaks something, and says how many pieces there are.
+    /// With a closed mesh the patterns are made for it.
+    #[pyo3(signature = (pieces, attempt, mesh=None, at=[0.0; 3], normal=[0.0, 1.0, 0.0]))]
     fn with_pieces_by(
         &self,
         py: Python<'_>,
         pieces: usize,
         attempt: &Bound<'_, PyAny>,
+        mesh: Option<PyMesh<'_>>,
+        at: [f64; 3],
+        normal: [f64; 3],
     ) -> PyResult<(Self, usize)> {
         check_pieces(pieces)?;
+        let impact = Impact { point_body: at.into(), normal_body: normal.into() };
+        let mesh = mesh.map(|mesh| mesh.to_mesh()).transpose()?;
+        let filling = threads::detached(py, || {
+            Filling::of_mesh(mesh.as_ref()?, &impact, (pieces, self.seed()?))
+        })?;
         // An exception ends the search.
         let mut failed = None;
-        let found = self.searched(pieces, |pattern| {
+        let found = self.searched(pieces, filling.as_ref(), |pattern| {
             let tried = Bound::new(py, Self(pattern.clone(), None));
             let count = tried.and_then(|tried| attempt.call1((tried,))?.extract());
             count.unwrap_or_else(|error| {

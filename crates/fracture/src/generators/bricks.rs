@@ -1,5 +1,6 @@
 //! Masonry.
 
+use crate::filling::Filling;
 use crate::generators::parameters::{MOST_CELLS, deviation, require, require_box};
 use crate::pattern::Pattern;
 use crate::pattern::error::PatternError;
@@ -99,6 +100,125 @@ impl Pattern {
         }
         Ok(Self { joints, ..Self::planar_in_box(half_extent, regions) })
     }
+}
+
+impl Pattern {
+    /// Running bond on a solid, with `cells` blocks in the box around it. Where whole courses do not
+    /// come out even, mortar of some bricks sticks to them.
+    pub fn bricks_in(bricks: &Bricks, cells: usize, filling: &Filling) -> Self {
+        let (low, high) = filling.extent();
+        let size = high - low;
+        let aspect = (bricks.half_extent.x / bricks.columns.max(1) as f64)
+            / (bricks.half_extent.y / bricks.courses.max(1) as f64);
+        let proportion = aspect * size.y / size.x;
+        let has_mortar = bricks.mortar > 0.0;
+        let [columns, courses] = laid_in(cells, proportion, has_mortar);
+        let mut over = made_of(columns, courses, has_mortar).saturating_sub(cells);
+
+        let step = DVec2::new(size.x / columns as f64, size.y / courses as f64);
+        let joint = (bricks.mortar * step.y).min(0.25 * step.x);
+        let half_extent = filling.half_extent();
+        let mut random = Pcg64Mcg::seed_from_u64(bricks.seed);
+        let (mut regions, mut joints) = (Vec::new(), Vec::new());
+        let mut add = |[left, right]: [f64; 2], [bottom, top]: [f64; 2], is_joint: bool| {
+            // Blocks at the rim of the solid go on to the walls.
+            let sides = [
+                (-DVec3::X, -left, left > low.x + CLOSE * step.x),
+                (DVec3::X, right, right < high.x - CLOSE * step.x),
+                (-DVec3::Y, -bottom, bottom > low.y + CLOSE * step.y),
+                (DVec3::Y, top, top < high.y - CLOSE * step.y),
+            ];
+            let cracks = sides.into_iter().filter(|side| side.2);
+            let sides: Vec<HalfSpace> =
+                cracks.map(|(normal, offset, _)| HalfSpace { normal, offset }).collect();
+            if let Some(region) = Region::bounded(&sides, half_extent) {
+                if is_joint {
+                    joints.push(regions.len());
+                }
+                regions.push(region);
+            }
+        };
+        for course in 0..courses {
+            let bottom = low.y + course as f64 * step.y;
+            let above = bottom + step.y;
+            let is_shifted = course % 2 == 1;
+            let count = columns + usize::from(is_shifted);
+            let shift = if is_shifted { 0.5 } else { 0.0 };
+            let mut left = low.x;
+            let mut waits = None;
+            for column in 0..count {
+                let is_last = column + 1 == count;
+                let jitter = 0.2 * bricks.jitter * deviation(&mut random);
+                let next = (column as f64 + 1.0 - shift + jitter) * step.x + low.x;
+                let right = if is_last { high.x } else { next };
+                if !has_mortar {
+                    // A longer brick for two.
+                    let start = waits.take().unwrap_or(left);
+                    if over > 0 && !is_last {
+                        over -= 1;
+                        waits = Some(start);
+                    } else {
+                        add([start, right], [bottom, above], false);
+                    }
+                    left = right;
+                    continue;
+                }
+                let has_bed = over == 0;
+                over -= usize::from(!has_bed);
+                let has_head = !is_last && over == 0;
+                over -= usize::from(!is_last && !has_head);
+                let top = if has_bed { above - joint } else { above };
+                let end = if has_head { right - joint } else { right };
+                add([left, end], [bottom, top], false);
+                if has_head {
+                    add([end, right], [bottom, top], true);
+                }
+                if has_bed {
+                    add([left, right], [top, above], true);
+                }
+                left = right;
+            }
+        }
+        Self { joints, ..filling.planar(regions) }
+    }
+}
+
+/// Sides nearer than this part of a brick to the rim of the solid are no cracks.
+const CLOSE: f64 = 1e-6;
+
+/// Number of blocks of so many columns and courses.
+fn made_of(columns: usize, courses: usize, has_mortar: bool) -> usize {
+    let laid = courses * columns + courses / 2;
+    // Each brick has a joint above it, and beside it if another follows.
+    if has_mortar { 3 * laid - courses } else { laid }
+}
+
+/// Columns and courses that make at least so many blocks, few more, with about `proportion` courses
+/// for each column.
+fn laid_in(cells: usize, proportion: f64, has_mortar: bool) -> [usize; 2] {
+    // A block that sticks to another counts like this relative error of the proportion.
+    const STUCK: f64 = 2.0;
+    let off = |[columns, courses]: [usize; 2]| {
+        let over = made_of(columns, courses, has_mortar) as f64 / cells as f64 - 1.0;
+        STUCK * over + libm::log(courses as f64 / columns as f64 / proportion).abs()
+    };
+    let mut best = [cells, 1];
+    for columns in 1..=cells {
+        // The fewest courses that are enough.
+        let of_two = made_of(columns, 2, has_mortar);
+        let mut courses = (2 * cells / of_two).max(1);
+        while made_of(columns, courses, has_mortar) < cells {
+            courses += 1;
+        }
+        // Beyond these bricks would have to stick together.
+        let over = made_of(columns, courses, has_mortar) - cells;
+        let most =
+            if has_mortar { 2 * courses * columns - courses } else { courses * (columns - 1) };
+        if over <= most && off([columns, courses]) < off(best) {
+            best = [columns, courses];
+        }
+    }
+    best
 }
 
 /// The block between two positions along x and two along y; sides on the box are no cracks. `None`

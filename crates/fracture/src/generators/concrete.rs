@@ -1,7 +1,8 @@
 //! Concrete: cells with rough faces.
 
+use crate::filling::Filling;
 use crate::generators::parameters::require;
-use crate::generators::voronoi::Voronoi;
+use crate::generators::voronoi::{Voronoi, regions_in, sites_in};
 use crate::noise::Noise;
 use crate::pattern::error::PatternError;
 use crate::pattern::{Cells, Pattern};
@@ -63,5 +64,21 @@ impl Pattern {
         let size = libm::cbrt(8.0 * half_extent.element_product() / cells as f64);
         let noise = Noise { wavelength: grain * size, steepness: MOST_STEEPNESS * roughness, seed };
         Ok(Self { cells: Cells::Rough(Rough::new(regions, noise)), ..plane })
+    }
+    /// Rough Voronoi cells of as many points of a solid.
+    pub fn concrete_in(concrete: &Concrete, filling: &Filling) -> Self {
+        let &Concrete { cells, roughness, grain, clustering, seed, half_extent } = concrete;
+        let plain = Voronoi { cells, clustering, grading: DVec3::ZERO, seed, half_extent };
+        let regions = regions_in(&sites_in(&plain, filling), filling.half_extent());
+        let mut made = filling.planar(regions);
+        if roughness > 0.0
+            && let Cells::Planar(regions) = made.cells
+        {
+            let size = libm::cbrt(filling.volume() / cells as f64);
+            let steepness = MOST_STEEPNESS * roughness;
+            let noise = Noise { wavelength: grain * size, steepness, seed };
+            made.cells = Cells::Rough(Rough::new(regions, noise));
+        }
+        made
     }
 }

@@ -1,5 +1,6 @@
 //! Natural rubble.
 
+use crate::filling::Filling;
 use crate::generators::parameters::{deviation, direction, require, require_box, require_count};
 use crate::pattern::Pattern;
 use crate::pattern::error::PatternError;
@@ -130,7 +131,8 @@ impl Pattern {
         let law = Law { spread, deviation: half / clustering };
         let mut parts = vec![Part::new(Vec::new(), Hull::cuboid(half), &law)];
         while parts.len() < cells {
-            let chosen = choose(&parts, spread, &mut random);
+            let weights = parts.iter().map(|part| part.weight);
+            let chosen = choose(weights, spread, &mut random);
             let crack = parts[chosen].crack(&mut random);
             if let Some([inside, outside]) = parts[chosen].split(crack, &law) {
                 parts[chosen] = inside;
@@ -150,18 +152,119 @@ impl Pattern {
 }
 
 /// The largest part without spread, else a random one by its weight.
-fn choose(parts: &[Part], spread: f64, random: &mut Pcg64Mcg) -> usize {
+fn choose(
+    weights: impl ExactSizeIterator<Item = f64> + Clone,
+    spread: f64,
+    random: &mut Pcg64Mcg,
+) -> usize {
     if spread == 0.0 {
-        let largest = parts.iter().enumerate().max_by(|a, b| a.1.weight.total_cmp(&b.1.weight));
+        let largest = weights.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
         return largest.map_or(0, |(at, _)| at);
     }
-    let whole: f64 = parts.iter().map(|part| part.weight).sum();
-    let mut left = whole * random.random::<f64>();
-    for (at, part) in parts.iter().enumerate() {
-        left -= part.weight;
+    let last = weights.len() - 1;
+    let mut left = weights.clone().sum::<f64>() * random.random::<f64>();
+    for (at, weight) in weights.enumerate() {
+        left -= weight;
         if left < 0.0 {
             return at;
         }
     }
-    parts.len() - 1
+    last
+}
+
+/// Cracks that are tried across a part of a solid before it stays whole.
+const TRIES: usize = 8;
+
+/// A part of a solid while that is being cut up, known by its points.
+struct Share {
+    half_spaces: Vec<HalfSpace>,
+    points: Vec<DVec3>,
+    weight: f64,
+}
+
+impl Share {
+    /// `part` of the volume is one point's.
+    fn new(
+        (half_spaces, points): (Vec<HalfSpace>, Vec<DVec3>),
+        (center, part): (DVec3, f64),
+        law: &Law,
+    ) -> Self {
+        let volume = part * points.len() as f64;
+        let mut weight =
+            if law.spread > 0.0 { libm::pow(volume, 1.0 / law.spread - 1.0) } else { volume };
+        if law.deviation.is_finite() {
+            let near = |point: &DVec3| ((*point - center) / law.deviation).length_squared();
+            let nearest = points.iter().map(near).fold(f64::INFINITY, f64::min);
+            weight *= libm::exp(-0.5 * nearest);
+        }
+        Self { half_spaces, points, weight }
+    }
+
+    /// A plane near the middle, across a direction in which the points spread far.
+    fn crack(&self, random: &mut Pcg64Mcg) -> HalfSpace {
+        let mut longest = (DVec3::ZERO, 0.0);
+        for _ in 0..DIRECTIONS {
+            let normal = direction(random);
+            let heights = self.points.iter().map(|point| normal.dot(*point));
+            let (low, high) = heights
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                    (low.min(at), high.max(at))
+                });
+            if high - low > longest.1 {
+                longest = (normal, high - low);
+            }
+        }
+        let (normal, length) = longest;
+        let middle = self.points.iter().sum::<DVec3>() / self.points.len() as f64;
+        let shift = 2.0 * OFF_CENTER * length * deviation(random);
+        HalfSpace { normal, offset: normal.dot(middle) + shift }
+    }
+
+    /// Points and half-spaces of the two sides of a crack.
+    fn sides(&self, crack: HalfSpace) -> [(Vec<HalfSpace>, Vec<DVec3>); 2] {
+        [crack, crack.flipped()].map(|side| {
+            let is_inside = |point: &&DVec3| side.distance(**point) <= 0.0;
+            let own = self.half_spaces.iter().copied().chain([side]).collect();
+            (own, self.points.iter().filter(is_inside).copied().collect())
+        })
+    }
+}
+
+impl Pattern {
+    /// A solid, cut up by planes.
+    pub fn natural_in(natural: &Natural, filling: &Filling) -> Self {
+        let &Natural { cells, spread, clustering, seed, half_extent } = natural;
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let deviation = filling.scale(half_extent) * half_extent / clustering;
+        let law = Law { spread, deviation };
+        let part = (filling.center(), 1.0 / filling.points().len() as f64);
+        let whole = (Vec::new(), filling.points().to_vec());
+        let mut shares = vec![Share::new(whole, part, &law)];
+        while shares.len() < cells {
+            let weights = shares.iter().map(|share| share.weight);
+            if weights.clone().all(|weight| weight <= 0.0) {
+                break;
+            }
+            let chosen = choose(weights, spread, &mut random);
+            let mut found = None;
+            for _ in 0..TRIES {
+                let crack = shares[chosen].crack(&mut random);
+                let sides = shares[chosen].sides(crack);
+                if sides.iter().all(|side| side.1.len() >= filling.sliver()) {
+                    found = Some(sides);
+                    break;
+                }
+            }
+            match found {
+                Some(sides) => {
+                    let [inside, outside] = sides.map(|side| Share::new(side, part, &law));
+                    shares[chosen] = inside;
+                    shares.push(outside);
+                }
+                None => shares[chosen].weight = 0.0,
+            }
+        }
+        let region = |share: &Share| Region::bounded(&share.half_spaces, filling.half_extent());
+        filling.planar(shares.iter().filter_map(region).collect())
+    }
 }

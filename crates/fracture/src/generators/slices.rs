@@ -1,5 +1,6 @@
 //! Parallel cracks.
 
+use crate::filling::Filling;
 use crate::generators::parameters::{deviation, require, require_box, require_count};
 use crate::pattern::Pattern;
 use crate::pattern::error::PatternError;
@@ -52,7 +53,7 @@ impl Pattern {
     /// # Errors
     /// If a parameter is out of its range.
     pub fn slices(slices: &Slices) -> Result<Self, PatternError> {
-        let &Slices { cells, axis, jitter, seed, half_extent } = slices;
+        let &Slices { cells, axis, jitter, half_extent, .. } = slices;
         require_count(cells, "cells")?;
         require((0.0..=1.0).contains(&jitter), "jitter", jitter, "from 0 to 1")?;
         require_box(half_extent)?;
@@ -64,35 +65,75 @@ impl Pattern {
             "three finite numbers that are not all 0",
         )?;
         let axis = axis / length;
-        let mut random = Pcg64Mcg::seed_from_u64(seed);
 
         // Extent of the box along the axis and across it.
         let along = half_extent.dot(axis.abs());
-        let across = half_extent.length();
         let step = 2.0 * along / cells as f64;
-        let (u, v) = axis.any_orthonormal_pair();
-
-        // Each plane keeps within half a step from its place in all of the box, 0.2 by its offset
-        // and 0.28 by its tilt.
-        let planes: Vec<HalfSpace> = (1..cells)
-            .map(|number| {
-                let shift = 0.4 * jitter * step * deviation(&mut random);
-                let tilt = u * deviation(&mut random) + v * deviation(&mut random);
-                let slope = (0.4 * jitter * step / across).min(0.5);
-                let normal = (axis + slope * tilt).normalize();
-                let middle = axis * (number as f64 * step - along + shift);
-                HalfSpace { normal, offset: normal.dot(middle) }
-            })
-            .collect();
-
-        let regions = (0..cells)
-            .map(|slice| {
-                let below = slice.checked_sub(1).map(|before| planes[before].flipped());
-                let above = planes.get(slice).copied();
-                let sides: Vec<HalfSpace> = below.into_iter().chain(above).collect();
-                Region::from_half_spaces(&sides, half_extent)
-            })
-            .collect();
-        Ok(Self::planar_in_box(half_extent, regions))
+        let places: Vec<f64> = (1..cells).map(|number| number as f64 * step - along).collect();
+        let planes = cracks(slices, &places, (step, half_extent.length()));
+        let region = |sides: Vec<HalfSpace>| Region::from_half_spaces(&sides, half_extent);
+        Ok(Self::planar_in_box(half_extent, between(&planes).map(region).collect()))
     }
+
+    /// As many slices of a solid.
+    pub fn slices_in(slices: &Slices, filling: &Filling) -> Self {
+        let axis = slices.axis.normalize();
+        let mut heights: Vec<f64> = filling.points().iter().map(|point| axis.dot(*point)).collect();
+        heights.sort_by(f64::total_cmp);
+        let (places, step) = places_in(&heights, slices.cells);
+        let planes = cracks(slices, &places, (step, filling.half_extent().length()));
+        let region = |sides: Vec<HalfSpace>| Region::bounded(&sides, filling.half_extent());
+        filling.planar(between(&planes).filter_map(region).collect())
+    }
+}
+
+/// Where sorted heights part into about `cells` slices that are equally thick, none of them empty,
+/// and how thick they are.
+fn places_in(heights: &[f64], cells: usize) -> (Vec<f64>, f64) {
+    // Thickness is halved down to rounding.
+    const HALVINGS: usize = 40;
+    let parted = |step: f64| {
+        let mut places = Vec::new();
+        let mut start = 0;
+        loop {
+            let end = heights.partition_point(|&height| height < heights[start] + step);
+            if end >= heights.len() || end == start {
+                return places;
+            }
+            places.push(0.5 * (heights[end - 1] + heights[end]));
+            start = end;
+        }
+    };
+    let whole = heights[heights.len() - 1] - heights[0];
+    let (mut thin, mut thick) = (0.0, 2.0 * whole);
+    for _ in 0..HALVINGS {
+        let step = 0.5 * (thin + thick);
+        if parted(step).len() + 1 > cells { thin = step } else { thick = step }
+    }
+    (parted(thick), thick)
+}
+
+/// Planes at places along the axis. Each keeps within half a step from its place in all of the box,
+/// 0.2 by its offset and 0.28 by its tilt.
+fn cracks(slices: &Slices, places: &[f64], (step, across): (f64, f64)) -> Vec<HalfSpace> {
+    let axis = slices.axis / slices.axis.length();
+    let (u, v) = axis.any_orthonormal_pair();
+    let mut random = Pcg64Mcg::seed_from_u64(slices.seed);
+    let crack = |&place: &f64| {
+        let shift = 0.4 * slices.jitter * step * deviation(&mut random);
+        let tilt = u * deviation(&mut random) + v * deviation(&mut random);
+        let slope = (0.4 * slices.jitter * step / across).min(0.5);
+        let normal = (axis + slope * tilt).normalize();
+        let middle = axis * (place + shift);
+        HalfSpace { normal, offset: normal.dot(middle) }
+    };
+    places.iter().map(crack).collect()
+}
+
+/// The sides of each slice between planes.
+fn between(planes: &[HalfSpace]) -> impl Iterator<Item = Vec<HalfSpace>> {
+    (0..=planes.len()).map(|slice| {
+        let below = slice.checked_sub(1).map(|before| planes[before].flipped());
+        below.into_iter().chain(planes.get(slice).copied()).collect()
+    })
 }

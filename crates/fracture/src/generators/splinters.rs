@@ -1,6 +1,7 @@
 //! Wood.
 
-use super::voronoi::voronoi_regions;
+use super::voronoi::{region_in, voronoi_regions};
+use crate::filling::Filling;
 use crate::generators::parameters::{deviation, require, require_box, require_count};
 use crate::pattern::Pattern;
 use crate::pattern::error::PatternError;
@@ -81,33 +82,104 @@ impl Pattern {
         // Break each across.
         let mut regions = Vec::with_capacity(fibres * pieces);
         for (column, &site) in columns.iter().zip(&sites) {
-            let sides: Vec<HalfSpace> = column.cuts.iter().map(|cut| cut.half_space).collect();
             let half_length = half_extent[grain];
-            let piece = 2.0 * half_length / pieces as f64;
             let width = reach_across(column, site, axis, half_extent);
-            // Steep, but so that the cracks of one splinter meet neither each other nor the box's
-            // ends.
-            let room = 0.25 * piece;
-            let slope = (sharpness * (0.5 + random_share(&mut random))).min(room / width);
-            let breaks: Vec<HalfSpace> = (1..pieces)
-                .map(|number| {
-                    let angle = TAU * deviation(&mut random);
-                    let tilt = u * libm::cos(angle) + v * libm::sin(angle);
-                    let shift = spread * (piece - 2.0 * slope * width) * deviation(&mut random);
-                    let middle = site.reject_from(axis)
-                        + axis * (number as f64 * piece - half_length + shift);
-                    let normal = (axis + slope * tilt).normalize();
-                    HalfSpace { normal, offset: normal.dot(middle) }
-                })
-                .collect();
-            for number in 0..pieces {
-                let mut around = sides.clone();
-                around.extend(number.checked_sub(1).map(|before| breaks[before].flipped()));
-                around.extend(breaks.get(number));
+            let (start, length) = (-half_length, 2.0 * half_length);
+            let splinter = Splinter { column, site, width, start, length };
+            for around in splinter.broken(splinters, pieces, &mut random) {
                 regions.push(Region::from_half_spaces(&around, half_extent));
             }
         }
         Ok(Self::planar_in_box(half_extent, regions))
+    }
+
+    /// Splinters of a solid, `cells` pieces of them in all.
+    pub fn splinters_in(splinters: &Splinters, cells: usize, filling: &Filling) -> Self {
+        let half_extent = filling.half_extent();
+        let axis = DVec3::AXES[splinters.grain];
+        let most = splinters.pieces.clamp(1, cells.div_ceil(2));
+        let fibres = cells.div_ceil(most);
+        let points = filling.points();
+        let sites: Vec<DVec3> =
+            points.iter().take(fibres).map(|point| point.reject_from(axis)).collect();
+
+        // How far each goes along the grain.
+        let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); sites.len()];
+        for &point in points.iter().take(POINTS_OF_A_FIBRE * sites.len()) {
+            let (place, across) = (axis.dot(point), point.reject_from(axis));
+            let apart = |fibre: usize| sites[fibre].distance_squared(across);
+            let nearest = (0..sites.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b)));
+            if let Some(end) = nearest.map(|fibre| &mut ends[fibre]) {
+                *end = (end.0.min(place), end.1.max(place));
+            }
+        }
+        let mut random = Pcg64Mcg::seed_from_u64(splinters.seed);
+        let mut regions = Vec::with_capacity(cells);
+        for (fibre, &site) in sites.iter().enumerate() {
+            let Some(column) = region_in(&sites, fibre, half_extent) else { continue };
+            let (start, end) = ends[fibre];
+            let width = reach_across(&column, site, axis, half_extent);
+            let length = (end - start).max(0.0);
+            let splinter = Splinter { column: &column, site, width, start, length };
+            // The first make up for what does not divide evenly.
+            let pieces = most - usize::from(fibre < fibres * most - cells);
+            for around in splinter.broken(splinters, pieces, &mut random) {
+                regions.extend(Region::bounded(&around, half_extent));
+            }
+        }
+        filling.planar(regions)
+    }
+}
+
+/// Points of a solid by which the ends of each fibre are known.
+const POINTS_OF_A_FIBRE: usize = 96;
+
+/// One before it is broken across.
+struct Splinter<'a> {
+    column: &'a Region,
+    /// On its line.
+    site: DVec3,
+    /// Extent from its line.
+    width: f64,
+    /// Where it begins along the grain, and how long it is.
+    start: f64,
+    length: f64,
+}
+
+impl Splinter<'_> {
+    /// The sides of each of its pieces.
+    fn broken(
+        &self,
+        splinters: &Splinters,
+        pieces: usize,
+        random: &mut Pcg64Mcg,
+    ) -> Vec<Vec<HalfSpace>> {
+        let &Splinters { grain, sharpness, spread, .. } = splinters;
+        let axis = DVec3::AXES[grain];
+        let (u, v) = (DVec3::AXES[(grain + 1) % 3], DVec3::AXES[(grain + 2) % 3]);
+        let sides: Vec<HalfSpace> = self.column.cuts.iter().map(|cut| cut.half_space).collect();
+        let piece = self.length / pieces as f64;
+        // Steep, but so that the cracks of one splinter meet neither each other nor its ends.
+        let room = 0.25 * piece;
+        let slope = (sharpness * (0.5 + random_share(random))).min(room / self.width);
+        let breaks: Vec<HalfSpace> = (1..pieces)
+            .map(|number| {
+                let angle = TAU * deviation(random);
+                let tilt = u * libm::cos(angle) + v * libm::sin(angle);
+                let shift = spread * (piece - 2.0 * slope * self.width) * deviation(random);
+                let middle = self.site.reject_from(axis)
+                    + axis * (number as f64 * piece + self.start + shift);
+                let normal = (axis + slope * tilt).normalize();
+                HalfSpace { normal, offset: normal.dot(middle) }
+            })
+            .collect();
+        let around = |number: usize| {
+            let mut around = sides.clone();
+            around.extend(number.checked_sub(1).map(|before| breaks[before].flipped()));
+            around.extend(breaks.get(number));
+            around
+        };
+        (0..pieces).map(around).collect()
     }
 }
 

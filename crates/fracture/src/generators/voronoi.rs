@@ -1,5 +1,6 @@
 //! Cells around random points.
 
+use crate::filling::Filling;
 use crate::generators::parameters::{deviation, require, require_box, require_count};
 use crate::pattern::Pattern;
 use crate::pattern::error::PatternError;
@@ -61,6 +62,47 @@ impl Pattern {
         Ok(Self::planar_in_box(half_extent, regions))
     }
 }
+
+impl Pattern {
+    /// Voronoi cells of as many points of a solid.
+    pub fn voronoi_in(voronoi: &Voronoi, filling: &Filling) -> Self {
+        filling.planar(regions_in(&sites_in(voronoi, filling), filling.half_extent()))
+    }
+}
+
+/// Points of a solid, and more of them where clustering and grading would have more.
+pub(super) fn sites_in(voronoi: &Voronoi, filling: &Filling) -> Vec<DVec3> {
+    let &Voronoi { cells, clustering, grading, seed, .. } = voronoi;
+    let points = filling.points();
+    if clustering == 0.0 && grading == DVec3::ZERO {
+        return points.iter().take(cells).copied().collect();
+    }
+    let deviation = filling.scale(voronoi.half_extent) * voronoi.half_extent
+        / clustering.max(f64::MIN_POSITIVE);
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+
+    // The largest of such keys are a choice by weights without repeats [ES06].
+    let mut keys: Vec<(f64, usize)> = Vec::with_capacity(points.len());
+    for (number, &point) in points.iter().enumerate() {
+        let from_blow = (point - filling.center()) / deviation;
+        let along = grading.dot(point / filling.half_extent());
+        let chance = -libm::log(1.0 - random.random::<f64>());
+        keys.push((along - 0.5 * from_blow.length_squared() - libm::log(chance), number));
+    }
+    keys.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    keys.iter().take(cells).map(|&(_, number)| points[number]).collect()
+}
+
+/// The cells of some points in the box.
+pub(super) fn regions_in(sites: &[DVec3], half_extent: DVec3) -> Vec<Region> {
+    (0..sites.len()).filter_map(|cell| region_in(sites, cell, half_extent)).collect()
+}
+
+/// The cell of one of some points in the box.
+pub(super) fn region_in(sites: &[DVec3], cell: usize, half_extent: DVec3) -> Option<Region> {
+    Region::bounded(&bisectors(sites, cell, half_extent), half_extent)
+}
+
 /// Points in the box: distributed along each axis as the grading says, kept with the Gaussian's
 /// probability.
 fn draw_sites(voronoi: &Voronoi) -> Vec<DVec3> {

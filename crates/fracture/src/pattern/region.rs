@@ -72,6 +72,15 @@ impl Region {
         Self { cuts }
     }
 
+    /// The same, faster for many half-spaces; `None` for what lies beyond the box.
+    pub(crate) fn bounded(half_spaces: &[HalfSpace], half_extent: DVec3) -> Option<Self> {
+        let whole = Hull::cuboid(half_extent);
+        let hull = half_spaces.iter().try_fold(whole, |hull, plane| hull.clipped(plane))?;
+        let bounding: Vec<HalfSpace> =
+            half_spaces.iter().filter(|plane| hull.planes().contains(plane)).copied().collect();
+        Some(Self::from_half_spaces(&bounding, half_extent))
+    }
+
     /// The polyhedron within the box of `half_extent` around the origin; `None` if it lies beyond.
     pub fn hull(&self, half_extent: DVec3) -> Option<Hull> {
         let whole = Hull::cuboid(half_extent);

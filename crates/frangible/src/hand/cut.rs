@@ -2,6 +2,7 @@
 
 use crate::report::{Fracture, id_from_number};
 use crate::scene::check::{BuildError, Checker};
+use crate::scene::pattern_choice::Struck;
 use crate::step::bonds::fall_apart::{Broken, fall_apart};
 use crate::step::break_bodies::{Break, Cause, replace};
 use crate::world::{Breaking, Label, World};
@@ -100,10 +101,10 @@ impl World {
             let (_, normal_body) = shape.distance_and_gradient(point_body);
             let middle = breaking.center.map(|at| shape.body_from_grid.point(at));
             let impact = Impact { point_body: middle.unwrap_or(point_body), normal_body };
-            let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
+            let struck = Struck { shape: &shape, impact, settings: &breaking.shatter };
             let choice = breaking.choice.clone();
-            match choice.draft(0, cut) {
-                Some(draft) => self.part(dense, point, choice.finish(draft, cut), Some(breaking)),
+            match choice.draft(0, &struck).map(|draft| choice.finish(draft, &struck)) {
+                Some(broken) => self.part(dense, point, broken, Some(breaking)),
                 None => Vec::new(),
             }
         };

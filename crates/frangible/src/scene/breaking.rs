@@ -4,7 +4,7 @@ use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
 use crate::scene::desc::shape::ShapeDesc;
 use crate::scene::desc::{BodyDesc, Method, MotionDesc};
-use crate::scene::pattern_choice::PatternChoice;
+use crate::scene::pattern_choice::{LEAST_PIECE, PatternChoice};
 use crate::scene::shapes::{Make, ShapeLibrary};
 use crate::scene::strength::Strength;
 use crate::scene::strength_points::build_strength_points;
@@ -65,6 +65,9 @@ pub(crate) fn check_breaking(
 /// Cracks are sampled as densely as the surface was, and pieces are not too small for it.
 pub(crate) fn fit_to_shape(mut breaking: Breaking, desc: &ShapeDesc, shape: &Shape) -> Breaking {
     breaking.shatter.smallest = Smallest::of_first(shape);
+    if breaking.choice.wanted().is_some() {
+        breaking.shatter.smallest.part = LEAST_PIECE;
+    }
     if let (Geometry::Grid(solid), Some(spacing)) =
         (&shape.geometry, desc.resolution().sample_spacing)
     {

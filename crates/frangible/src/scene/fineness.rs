@@ -1,16 +1,22 @@
 //! Patterns for a wanted number of pieces.
 //!
-//! The number of pieces depends on the body and on the impact point: cells beside the body make no
-//! pieces. A search varies the number of cells; if its steps are too coarse, or the cells are
-//! given, the pattern is magnified.
+//! A pattern that is made for a body has about as many cells there as it makes pieces: a short
+//! search takes care of slivers, and of cells that hold several parts. A pattern in a box of its
+//! own is searched among more, and where the cells are given, it is magnified.
 
 use crate::scene::desc::breaking::PatternDesc;
-use frangible_fracture::{MOST_CELLS, Pattern};
+use frangible_fracture::{Filling, MOST_CELLS, Pattern};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Patterns that are tried for each of the two searches.
 const MOST_TRIES: usize = 10;
+
+/// Patterns that are made for a solid and tried.
+const MOST_MADE: usize = 6;
+
+/// Most cells of a pattern that is made for a solid, for each piece.
+const MOST_OF_A_PIECE: usize = 4;
 
 /// Number of patterns to magnify: the coarsest with too many pieces.
 const MOST_MAGNIFIED: usize = 3;
@@ -111,6 +117,38 @@ impl Fineness {
             }
         }
         best
+    }
+
+    /// The same among patterns that are made for a solid, where the description allows it.
+    pub fn search_in<T>(
+        &self,
+        filling: Option<&Filling>,
+        (wanted, within): (usize, f64),
+        mut attempt: impl FnMut(&Pattern) -> (usize, T),
+    ) -> Option<Found<T>> {
+        let made = |cells: usize| self.desc.in_solid(cells, filling?).map(Arc::new);
+        let mut best: Option<Found<T>> = None;
+        let mut bracket = Bracket::new(wanted, (1.0, (MOST_OF_A_PIECE * wanted) as f64));
+        let mut next = Some(wanted as f64);
+        let mut tried: Vec<usize> = Vec::new();
+        while let Some(cells) = next.map(|cells| cells.round() as usize) {
+            if tried.contains(&cells) {
+                break;
+            }
+            tried.push(cells);
+            let Some(pattern) = made(cells) else { break };
+            let (count, made) = attempt(&pattern);
+            let off = |count: usize| count.abs_diff(wanted);
+            if best.as_ref().is_none_or(|best| off(count) < off(best.count)) {
+                best = Some(Found { pattern, count, made });
+            }
+            if off(count) as f64 <= within * wanted as f64 {
+                return best;
+            }
+            bracket.add(cells as f64, count.max(1));
+            next = (tried.len() < MOST_MADE).then(|| bracket.next()).flatten();
+        }
+        if best.is_some() { best } else { self.search(wanted, within, attempt) }
     }
 
     /// The pattern with about `cells` cells; `None` if a parameter forbids it.

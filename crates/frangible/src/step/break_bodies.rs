@@ -4,14 +4,14 @@ use crate::report::at_rest::at_rest;
 use crate::report::books::Totals;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
-use crate::scene::pattern_choice::PatternChoice;
+use crate::scene::pattern_choice::{PatternChoice, Struck};
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, BodyId, Frame, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
 };
 use frangible_dynamics::{Blow, FrameAccounts, Strike, energy_at, repay_at};
 use frangible_fracture::{
-    Fragment, Impact, Pattern, ShatterSettings, fragment_velocity, interfaces, shatter,
+    Fragment, Impact, Pattern, ShatterSettings, fragment_velocity, interfaces,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -228,14 +228,14 @@ fn crack(
     };
 
     let shape = world.solid(parent);
-    let cut = |pattern: &Pattern| shatter(&shape, pattern, &impact, &breaking.shatter);
+    let struck = Struck { shape: &shape, impact, settings: &breaking.shatter };
     let energy_of = |fragments: &[Fragment]| {
         if energy_per_area <= 0.0 {
             return 0.0;
         }
         energy_per_area * interfaces(fragments).iter().map(|interface| interface.area).sum::<f64>()
     };
-    let (chosen, can_split) = choose_break(&breaking.choice, cut, energy_of, available);
+    let (chosen, can_split) = choose_break(&breaking.choice, &struck, energy_of, available);
     if let Some(Chosen { pattern, fragments, spent }) = chosen {
         if spent > 0.0 {
             repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
@@ -265,7 +265,7 @@ struct Chosen {
 /// The finest break that a blow has energy for, and true if the body could split at all.
 fn choose_break(
     choice: &PatternChoice,
-    cut: impl Fn(&Pattern) -> Vec<Fragment>,
+    struck: &Struck<'_>,
     energy_of: impl Fn(&[Fragment]) -> f64,
     available: f64,
 ) -> (Option<Chosen>, bool) {
@@ -273,7 +273,7 @@ fn choose_break(
     let coarsest = choice.steps().saturating_sub(1);
     if available.is_finite()
         && coarsest > 0
-        && let Some(draft) = choice.draft(coarsest, &cut)
+        && let Some(draft) = choice.draft(coarsest, struck)
         && draft.fragments.len() > 1
         && energy_of(&draft.fragments) > HOPELESS * available
     {
@@ -281,7 +281,7 @@ fn choose_break(
     }
 
     let mut can_split = false;
-    for draft in (0..).map_while(|step| choice.draft(step, &cut)) {
+    for draft in (0..).map_while(|step| choice.draft(step, struck)) {
         if draft.fragments.len() < 2 {
             continue;
         }
@@ -289,7 +289,7 @@ fn choose_break(
         if draft.is_plain() && energy_of(&draft.fragments) > PLAIN * available {
             continue;
         }
-        let (pattern, fragments) = choice.finish(draft, &cut);
+        let (pattern, fragments) = choice.finish(draft, struck);
         let spent = energy_of(&fragments);
         if fragments.len() > 1 && spent <= available {
             return (Some(Chosen { pattern, fragments, spent }), true);
