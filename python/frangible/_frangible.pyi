@@ -134,9 +134,15 @@ class Pattern:
         mesh: tuple[npt.NDArray[np.float64], npt.NDArray[np.uint32]] | None = None,
         at: Sequence[float] = ...,
         normal: Sequence[float] = ...,
+        number: int = 0,
     ) -> tuple[Pattern, int]:
         """As `with_pieces`, where ``attempt`` breaks something with a pattern, and says how many
-        pieces there are. With a closed mesh the patterns are made for it."""
+        pieces there are. With a closed mesh the patterns are made for it, for each ``number``
+        another one."""
+
+    @property
+    def is_made(self) -> bool:
+        """True if it can be made anew, finer or coarser: not from a file."""
 
     def save(self, path: str) -> None:
         """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be

@@ -15,3 +15,4 @@ pub(crate) mod shapes;
 pub(crate) mod starts;
 pub(crate) mod strength;
 pub(crate) mod strength_points;
+pub(crate) mod voxel_count;

@@ -44,6 +44,9 @@ pub struct World {
     pub(crate) fits: BirthFits,
     /// Bodies temporarily unbreakable in the running frame, with their own strength [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
+    /// Pieces of pieces that were born in the running frame.
+    #[serde(skip)]
+    pub(crate) born_of_pieces: usize,
     /// A text of the caller's.
     pub(crate) note: String,
     /// Bodies that the caller holds, and its deeds since the last frame.
@@ -332,6 +335,7 @@ impl World {
 
     /// Lets the spared bodies break again.
     pub(crate) fn end_sparing(&mut self) {
+        self.born_of_pieces = 0;
         for (id, bears) in std::mem::take(&mut self.spared) {
             if let Some(dense) = self.bodies.index_of(id) {
                 self.bodies.surfaces[dense].strength = bears;

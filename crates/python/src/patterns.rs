@@ -143,7 +143,8 @@ impl Pattern {
 
     /// As [`Pattern::with_pieces`]; `attempt` breaks something, and says how many pieces there are.
     /// With a closed mesh the patterns are made for it.
-    #[pyo3(signature = (pieces, attempt, mesh=None, at=[0.0; 3], normal=[0.0, 1.0, 0.0]))]
+    #[pyo3(signature = (pieces, attempt, mesh=None, at=[0.0; 3], normal=[0.0, 1.0, 0.0], number=0))]
+    #[allow(clippy::too_many_arguments, reason = "each is a keyword of the Python function")]
     fn with_pieces_by(
         &self,
         py: Python<'_>,
@@ -152,12 +153,14 @@ impl Pattern {
         mesh: Option<PyMesh<'_>>,
         at: [f64; 3],
         normal: [f64; 3],
+        number: u64,
     ) -> PyResult<(Self, usize)> {
         check_pieces(pieces)?;
         let impact = Impact { point_body: at.into(), normal_body: normal.into() };
         let mesh = mesh.map(|mesh| mesh.to_mesh()).transpose()?;
         let filling = threads::detached(py, || {
-            Filling::of_mesh(mesh.as_ref()?, &impact, (pieces, self.seed()?))
+            let seed = self.seed()?.wrapping_add(number);
+            Filling::of_mesh(mesh.as_ref()?, &impact, (pieces, seed))
         })?;
         // An exception ends the search.
         let mut failed = None;
@@ -191,6 +194,11 @@ impl Pattern {
     #[getter]
     fn is_planar(&self) -> bool {
         self.0.planar().is_some()
+    }
+
+    #[getter]
+    fn is_made(&self) -> bool {
+        self.seed().is_some()
     }
 
     fn is_joint(&self, cell: usize) -> PyResult<bool> {

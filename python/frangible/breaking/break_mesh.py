@@ -20,7 +20,7 @@ from ..recording import Float64
 from .blow import far_off, finite_point, landing_point, unit_direction
 from .cleaning import MOST_BURIED, CleanMesh
 from .mesh_skin import Below, MeshSkin, read_skin
-from .piece_count import LEAST_PIECES, MOST_PIECES, break_on_grid_into, difference, nearest_to
+from .piece_count import LEAST_PIECES, MOST_PIECES, break_on_grid_into, difference
 from .volumes import SILENT_WITHIN, volumes_differ
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ DEFAULT_VOXELS = 128
 #: The largest number that is worth waiting for; the grid has to fit into memory as well.
 MOST_VOXELS = 1024
 #: A piece of less than this part of the mean piece's volume joins its neighbour.
-DEFAULT_SMALLEST = 1e-4
+DEFAULT_SMALLEST = 1e-2
 #: Up.
 DEFAULT_NORMAL = (0.0, 1.0, 0.0)
 
@@ -87,9 +87,10 @@ def break_mesh(
     file is taken as it is ``pose_time`` [s] after its beginning, or at rest. ``stage`` is told what
     begins.
 
-    With a number of ``pieces`` the pattern is made finer or coarser, one from a file larger, until
-    there are about so many; a note says if it does not come within a tenth. A piece of less than
-    ``smallest`` of the mean piece's volume joins its neighbour.
+    With a number of ``pieces`` the pattern is made for each part that lies apart, or one from a
+    file laid on larger, until there are about so many; a note says if it does not come within a
+    tenth. A piece of less than ``smallest`` of the mean piece's volume joins its neighbour; a loose
+    part as small stays whole, and is not counted.
 
     With a ``thickness`` [m] open parts are sheets, and plates so thick take their place; without it
     their holes are closed, and flat ones are left out.
@@ -280,27 +281,17 @@ def _parts(
     target: _Target, solid: Manifold, pattern: _frangible.Pattern, wanted: int | None
 ) -> tuple[list[Part], list[str]]:
     """What the pattern's cells cut out of a solid, and what there is to say of its number."""
-    from .exact_cut import Cutting, count_parts, cut, labelled
+    from .exact_cut import cut, labelled
+    from .part_shares import Blow, pieces_of
 
-    box = solid.bounding_box()
     body = labelled(solid)
-
-    def along(chosen: _frangible.Pattern, coarseness: float) -> Cutting:
-        at, normal = target.at.tolist(), target.normal.tolist()
-        cutters = _frangible.pattern_cutters(chosen, (box[:3], box[3:]), at, normal, coarseness)
-        return cut(body, cutters, target.smallest)
-
+    if wanted is not None:
+        return pieces_of(body, Blow(pattern, target.at, target.normal, target.smallest), wanted)
+    box = solid.bounding_box()
+    at, normal = target.at.tolist(), target.normal.tolist()
+    cutters = _frangible.pattern_cutters(pattern, (box[:3], box[3:]), at, normal, 1.0)
+    made = cut(body, cutters, target.smallest)
     notes = []
-    if wanted is None:
-        made = along(pattern, 1.0)
-    else:
-        fewest = count_parts(solid, target.smallest)
-        made = nearest_to(wanted, fewest, pattern, along)
-        if sentence := difference(made.count, wanted):
-            apart = (
-                f"{wanted} pieces were asked for, and the mesh has {fewest} parts that lie apart"
-            )
-            notes.append(apart if fewest > wanted else sentence)
     if made.crumbs:
         those = "1 loose part is" if made.crumbs == 1 else f"{made.crumbs} loose parts are"
         notes.append(f"{those} smaller than {target.smallest:g} of the mean piece")

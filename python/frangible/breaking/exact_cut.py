@@ -88,7 +88,7 @@ def cut(body: Manifold, cutters: list[Cutter], smallest: float = 0.0) -> Cutting
     if not _fit(cells, body) and not _fit([_box(body) ^ solid for solid in solids], _box(body)):
         cells = _fitted(body, cells, least)
     groups = [
-        (cell, shells) for cell, inside in enumerate(cells) for shells in _connected(inside, least)
+        (cell, shells) for cell, inside in enumerate(cells) for shells in connected(inside, least)
     ]
     return Cutting(body, solids, groups, face_of, smallest)
 
@@ -103,15 +103,12 @@ def _box(solid: Manifold) -> Manifold:
     return Manifold.cube(high - low).translate(low)
 
 
-def count_parts(solid: Manifold, smallest: float) -> int:
-    """How many connected parts a solid has before it is cut, without those of less than
-    ``smallest`` of the mean volume."""
-    parts = _connected(solid, LEAST_PART * solid.volume())
-    volumes = np.array([sum(shell.volume() for shell in shells) for shells in parts])
-    return int((volumes >= _least(volumes, smallest)).sum())
+def uncut(body: Manifold, shells: list[Manifold]) -> Cutting:
+    """A connected part of a `labelled` solid that stays whole."""
+    return Cutting(body, [], [(0, shells)], {}, 0.0)
 
 
-def _connected(solid: Manifold, least: float) -> list[list[Manifold]]:
+def connected(solid: Manifold, least: float) -> list[list[Manifold]]:
     """The connected parts of a solid, each an outer shell and its cavities, the largest first."""
     return _with_cavities([shell for shell in solid.decompose() if abs(shell.volume()) > least])
 
@@ -202,7 +199,7 @@ def _joined(
     united = Manifold.batch_boolean(
         [cutters[cell] for cell in sorted({cell for cell, _ in members})], OpType.Add
     )
-    for shells in _connected(body ^ united, LEAST_PART * body.volume()):
+    for shells in connected(body ^ united, LEAST_PART * body.volume()):
         # Volumes and boxes tell it from others without more Boolean calls.
         fits = abs(sum(shell.volume() for shell in shells) - volume) <= FITS * body.volume()
         if fits and np.allclose(shells[0].bounding_box(), box, rtol=0.0, atol=near):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from .. import _frangible
 from ..recording import Float64, UInt32
 
 if TYPE_CHECKING:
-    from .exact_cut import Cutting
+    from .exact_cut import Cutting, Mesh
 
 #: Breaks on a grid that are tried: the number of pieces is first found on a coarse one, which
 #: resolves no small ones.
@@ -74,19 +73,17 @@ def break_on_grid_into(
     return best[1]
 
 
-class _Enough(Exception):
-    """Ends a search."""
-
-
 def nearest_to(
     pieces: int,
-    fewest: int,
     pattern: _frangible.Pattern,
+    part: tuple[Mesh, list[float], list[float], int],
     cut: Callable[[_frangible.Pattern, float], Cutting],
 ) -> Cutting:
-    """What ``cut`` makes along the pattern, which is made finer, coarser or larger until there are
-    about so many parts; no pattern makes less than the ``fewest``. Rough cells are first counted
-    with larger triangles: ``cut`` is told by how much."""
+    """What ``cut`` makes of a part of a mesh along the pattern, which is made for it until there
+    are about so many pieces; one from a file is laid on larger. The part is its surface, point and
+    normal of the blow, and its number. Rough cells are first counted with larger triangles: ``cut``
+    is told by how much."""
+    mesh, at, normal, number = part
 
     def searched(coarseness: float) -> tuple[_frangible.Pattern, Cutting]:
         best: tuple[_frangible.Pattern, Cutting] | None = None
@@ -96,12 +93,9 @@ def nearest_to(
             made = cut(chosen, coarseness)
             if best is None or abs(made.count - pieces) < abs(best[1].count - pieces):
                 best = (chosen, made)
-            if pieces <= fewest and made.count <= fewest:
-                raise _Enough
             return made.count
 
-        with suppress(_Enough):
-            pattern.with_pieces_by(pieces, attempt)
+        pattern.with_pieces_by(pieces, attempt, mesh, at, normal, number)
         assert best is not None
         return best
 

@@ -63,6 +63,7 @@ impl World {
             contact_cache: ContactCache::default(),
             fits: BirthFits::default(),
             spared: Vec::new(),
+            born_of_pieces: 0,
             note: String::new(),
             hand: Hand::default(),
             clock: None,

@@ -3,8 +3,9 @@
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::shape::{PartDesc, Resolution, ShapeDesc, SidesDesc};
 use crate::scene::piece_file::load_mesh;
+use crate::scene::voxel_count::{MARGIN, thickness_of, thinnest_of, voxels_for};
 use frangible_geometry::{
-    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Shape, Sides, StaticMesh,
+    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Part, Shape, Sides, StaticMesh,
     TriMesh, heightfield_mesh, mesh_samples, solids_and_boundary, surface_samples,
 };
 use frangible_math::RigidTransform;
@@ -12,15 +13,8 @@ use glam::{DVec3, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Voxels along the longest side of what must be sampled and has no resolution of its own.
-const DEFAULT_VOXELS: f64 = 64.0;
-
 /// Voxels between surface samples, unless told otherwise.
 const SAMPLE_VOXELS: f64 = 2.0;
-
-/// Layers of voxels around a solid, so that its surface and the band around it lie inside of the
-/// grid.
-const MARGIN: usize = 2;
 
 /// Surface samples along the longest side.
 const MOST_SAMPLES_ALONG: f64 = 1000.0;
@@ -156,7 +150,8 @@ fn from_form(
     if make == Make::Whole && resolution.voxels.is_none() {
         return Ok(Shape::closed_form(form, spacing_of_exact(resolution, high - low, at)?));
     }
-    let voxels = voxels_for(low, high, resolution, at)?;
+    let thickness = (high - low).min_element();
+    let voxels = voxels_for(high - low, thickness, resolution, at)?;
     let solid = GridSolid::from_closed_form(form, voxels, MARGIN)
         .map_err(|_| at.broken("a half-space", "a shape with a volume to be sampled"))?;
     sampled(solid, surface_samples, resolution, at)
@@ -174,7 +169,7 @@ fn from_points(
     if make == Make::Polyhedron || make == Make::Whole && resolution.voxels.is_none() {
         return convex(hull, resolution, &at.field("points"));
     }
-    let voxels = voxels_for(low, high, resolution, at)?;
+    let voxels = voxels_for(high - low, thickness_of(&hull.surface()), resolution, at)?;
     sampled(GridSolid::from_hull(hull, voxels, MARGIN), surface_samples, resolution, at)
 }
 
@@ -227,7 +222,10 @@ fn from_parts(
         return Shape::compound(compound, spacing)
             .map_err(|error| at_parts.broken(&given, &error.to_string()));
     }
-    let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
+    let thickness = |part: &Part| thickness_of(&part.hull.surface());
+    let thinnest = compound.parts().iter().map(thickness).fold(f64::INFINITY, f64::min);
+    let voxels = voxels_for(high - low, thinnest, resolution, at)?;
+    let grid = Grid::around_box(low, high, voxels, MARGIN);
     let level_set = LevelSet::sample(grid, |point| compound.distance_and_gradient(point).0);
     let solid = GridSolid::from_level_set(level_set);
     let solid = match compound.outer_boundary() {
@@ -327,7 +325,8 @@ fn from_mesh(
 ) -> Result<Shape, BuildError> {
     let clean = mesh.cleaned(name)?;
     let (low, high) = clean.mesh.bounds();
-    let grid = Grid::around_box(low, high, voxels_for(low, high, resolution, at)?, MARGIN);
+    let voxels = voxels_for(high - low, thinnest_of(&clean), resolution, at)?;
+    let grid = Grid::around_box(low, high, voxels, MARGIN);
     let (level_set, boundary) = solids_and_boundary(&clean, grid)
         .map_err(|error| BuildError::Sampling { path: name.into(), error })?;
     let solid = GridSolid::from_level_set(level_set).with_boundary(boundary.clone());
@@ -374,29 +373,4 @@ fn sampled(
     let samples = samples_of(&solid, spacing);
     Shape::from_grid_solid(solid, samples)
         .map_err(|error| voxels.broken(&given, &format!("finer: {error}")))
-}
-
-/// Voxels along each side of the bounding box.
-fn voxels_for(
-    low: DVec3,
-    high: DVec3,
-    resolution: &Resolution,
-    at: &Checker,
-) -> Result<[usize; 3], BuildError> {
-    let extent = high - low;
-    let voxels = resolution.voxels.unwrap_or_else(|| {
-        let spacing = extent.max_element() / DEFAULT_VOXELS;
-        (extent / spacing).to_array().map(|count| count.ceil().max(1.0) as usize)
-    });
-    let at = at.field("resolution.voxels");
-    let total = voxels
-        .iter()
-        .try_fold(1_usize, |product, &n| product.checked_mul(n.checked_add(2 * MARGIN)?));
-    if total.is_none_or(|total| total > Grid::MOST_NODES) {
-        return Err(at.broken(
-            &format!("{voxels:?}"),
-            &format!("at most {} with their margin, to fit in memory", Grid::MOST_NODES),
-        ));
-    }
-    Ok(voxels)
 }

@@ -24,6 +24,11 @@ const HOPELESS: f64 = 2.0;
 /// for what the grid makes of both.
 const PLAIN: f64 = 1.1;
 
+/// Pieces break into pieces until there are so many more in a frame; the others bear what strikes
+/// them until the next one. Without a bound a disc of 30 slices that break twice again made 21,000
+/// bodies in one frame, in 19 s.
+const MOST_BORN_OF_PIECES: usize = 200;
+
 /// A body in pieces that are about to take its place.
 pub(crate) struct Break {
     /// By dense index.
@@ -62,8 +67,14 @@ pub(crate) fn break_bodies(
         let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else {
             continue;
         };
+        let is_piece = world.labels[parent].parent.is_some();
+        if is_piece && world.born_of_pieces >= MOST_BORN_OF_PIECES {
+            world.spare(parent);
+            continue;
+        }
         if let Some(broken) = crack(world, blow, parent, accounts) {
             gone[parent] = true;
+            world.born_of_pieces += if is_piece { broken.fragments.len() } else { 0 };
             breaks.push(broken);
         }
     }

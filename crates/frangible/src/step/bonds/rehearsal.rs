@@ -163,6 +163,7 @@ impl Stage {
             contact_cache: Default::default(),
             fits: Default::default(),
             spared: Vec::new(),
+            born_of_pieces: 0,
             note: String::new(),
             hand: Default::default(),
             clock: None,
