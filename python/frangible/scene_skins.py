@@ -21,9 +21,6 @@ from .scene_looks import own_looks, scene_folder_file
 from .scene_materials import with_materials
 from .skin import Skin
 
-#: Voxels along the longest side of a mesh that has no resolution of its own in a scene.
-DEFAULT_VOXELS = 64
-
 
 @dataclass(frozen=True, slots=True)
 class BodySkin:
@@ -127,7 +124,7 @@ def volume_notes(readable: Any, masses: Any) -> list[str]:
             continue
         mesh = (scale * clean["vertices"], clean["triangles"])
         longest = int(np.argmax(np.ptp(mesh[0], axis=0)))
-        voxels = ((shape.get("resolution") or {}).get("voxels") or [DEFAULT_VOXELS] * 3)[longest]
+        voxels = ((shape.get("resolution") or {}).get("voxels") or clean["voxels"])[longest]
         whole = _frangible.mesh_mass(mesh)["volume_m3"]
         on_grid = mass / float(body.get("density", density))
         how = "resolution.voxels of {} along the longest side"

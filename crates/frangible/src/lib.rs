@@ -55,6 +55,7 @@ pub use scene::desc::{
 pub use scene::fineness::{Fineness, Found};
 pub use scene::pattern_choice::PatternChoice;
 pub use scene::strength::Strength;
+pub use scene::voxel_count::default_voxels;
 pub use snapshot::SnapshotError;
 pub use step::bonds::state::Bonds;
 pub use step::step;

@@ -1,6 +1,7 @@
 //! Any triangles made into closed surfaces that bound solids: what every use of a mesh begins with.
 
 pub(crate) mod clean_mesh;
+pub(crate) mod enclosed;
 pub(crate) mod junctions;
 pub(crate) mod meeting;
 pub(crate) mod pairing;
@@ -76,7 +77,8 @@ struct Part {
 
 /// Nothing at all if no part encloses a volume.
 fn clean(raw: &TriMesh, tolerances: &[f64]) -> CleanMesh {
-    let (assembly, parts) = Assembly::new(raw, tolerances);
+    let (mut assembly, mut parts) = Assembly::new(raw, tolerances);
+    enclosed::join_sheets(&mut assembly, &mut parts);
     assembly.finish(raw, &parts)
 }
 
@@ -184,7 +186,7 @@ impl Assembly {
         let mut solids: Vec<(usize, Shell)> = Vec::new();
         let mut domes: Vec<(usize, Shell)> = Vec::new();
         let mut flat: Vec<usize> = Vec::new();
-        for (number, part) in parts.iter().enumerate() {
+        for (number, part) in parts.iter().enumerate().filter(|part| !part.1.triangles.is_empty()) {
             let shell = self.shell(part);
             let hole_area = self.holes_area(part);
             let own_area = shell.area - hole_area;
@@ -280,6 +282,8 @@ impl Assembly {
         let mut used = vec![false; raw.triangles.len()];
         triangles.iter().flat_map(|t| t.1).for_each(|source| used[source as usize] = true);
         let left_out: usize = changes.sheets.iter().map(|sheet| sheet.triangles).sum();
+        changes.mostly_left_out =
+            (2 * left_out > raw.triangles.len()).then_some(raw.triangles.len());
         let missing = used.iter().filter(|&&used| !used).count();
         changes.repeated = missing.saturating_sub(left_out);
 

@@ -443,3 +443,52 @@ fn fans_of_many_sides_are_clean() {
     let meeting = clean.meeting();
     assert_eq!((meeting.others, meeting.buried), (vec![false], vec![0.0]));
 }
+
+/// A quad of a `width` at a height, seen from above or from below.
+fn quad(width: DVec3, height: f64, faces_up: bool) -> TriMesh {
+    let corners = [(-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5)];
+    let at = |(x, z): (f64, f64)| DVec3::new(x * width.x, height, z * width.z);
+    let quad =
+        TriMesh { positions: corners.map(at).to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]] };
+    if faces_up { quad } else { turned_round(quad) }
+}
+
+/// Of a floor between walls two sheets are left where the faces that the walls hide are culled:
+/// what they enclose is inside. Two that face one another enclose nothing, nor do two that are far
+/// apart.
+#[test]
+fn what_two_sheets_enclose_is_inside() {
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    for _ in 0..20 {
+        let mut side = || random.random_range(0.5..4.0);
+        let width = DVec3::new(side(), 1.0, side());
+        let thick = random.random_range(0.02..0.3) * width.x.min(width.z);
+        let turn = DQuat::from_rotation_z(random.random_range(0.0..3.0));
+        let wall = moved(cube(), DVec3::new(0.5 * width.x + 0.5, 0.0, 0.0));
+        let parts = |low: bool, high: bool, thick: f64| {
+            let floor = joined(quad(width, 0.0, low), &quad(width, thick, high));
+            let mut mesh = joined(wall.clone(), &floor);
+            mesh.positions.iter_mut().for_each(|position| *position = turn * *position);
+            mesh
+        };
+        let clean = assert_volume(&parts(false, true, thick), 1.0 + width.x * width.z * thick);
+        assert!(clean.changes.sheets.is_empty());
+        let inward = assert_volume(&parts(true, false, thick), 1.0);
+        assert_eq!(inward.changes.sheets.len(), 2);
+        let far = 3.0 * width.x.max(width.z);
+        assert_volume(&parts(false, true, far), 1.0);
+    }
+}
+
+/// A mesh that is mostly sheets says what would make solids of them.
+#[test]
+fn a_mesh_that_loses_most_of_itself_names_the_thickness() {
+    let mut mesh = cube();
+    for height in 0..8 {
+        mesh = joined(mesh, &quad(DVec3::splat(3.0), 3.0 + f64::from(height), true));
+    }
+    let clean = mesh.cleaned("cards.obj").unwrap();
+    assert!(clean.changes.sentences().iter().any(|sentence| {
+        sentence.contains("16 of 28 triangles") && sentence.contains("--thickness")
+    }));
+}

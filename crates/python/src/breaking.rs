@@ -5,6 +5,7 @@ use crate::errors::build_error;
 use crate::interrupt::interruptible;
 use crate::mesh::PyMesh;
 use crate::patterns::Pattern;
+use frangible::default_voxels;
 use frangible::fracture::{
     CutPiece, Impact, Interface, ShatterSettings, Smallest, cutters, interfaces, mesh_interfaces,
     resurfaced, sampled_body, shatter,
@@ -173,6 +174,7 @@ pub(crate) fn clean_mesh<'py>(
     facts.set_item("solid", PyArray1::from_slice(py, &clean.solid))?;
     facts.set_item("meets", PyArray1::from_vec(py, meeting.others))?;
     facts.set_item("buried", PyArray1::from_vec(py, meeting.buried))?;
+    facts.set_item("voxels", default_voxels(&clean))?;
     facts.set_item("holes", clean.changes.holes)?;
     facts.set_item("notes", clean.changes.sentences())?;
     Ok(facts)

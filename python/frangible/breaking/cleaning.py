@@ -28,6 +28,8 @@ class CleanMesh(TypedDict):
     meets: npt.NDArray[np.bool_]
     #: (s,) the part of its surface that lies in it, by area: 0 if it does not cross itself.
     buried: npt.NDArray[np.float64]
+    #: Voxels along x, y and z of its grid in a simulation, without a resolution of its own.
+    voxels: list[int]
     #: How many were closed.
     holes: int
     #: The repairs, in sentences.

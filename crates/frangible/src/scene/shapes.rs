@@ -5,8 +5,8 @@ use crate::scene::desc::shape::{PartDesc, Resolution, ShapeDesc, SidesDesc};
 use crate::scene::piece_file::load_mesh;
 use crate::scene::voxel_count::{MARGIN, thickness_of, thinnest_of, voxels_for};
 use frangible_geometry::{
-    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Part, Shape, Sides, StaticMesh,
-    TriMesh, heightfield_mesh, mesh_samples, solids_and_boundary, surface_samples,
+    ClosedForm, Compound, Grid, GridSolid, HalfSpace, Hull, LevelSet, Part, Shape, Sides,
+    StaticMesh, TriMesh, heightfield_mesh, mesh_samples, solids_and_boundary, surface_samples,
 };
 use frangible_math::RigidTransform;
 use glam::{DVec3, Vec3};

@@ -43,6 +43,12 @@ pub(crate) fn voxels_for(
     Ok(voxels)
 }
 
+/// Voxels along each side of the bounding box of a mesh's solids without a resolution of their own.
+pub fn default_voxels(clean: &CleanMesh) -> [usize; 3] {
+    let (low, high) = clean.mesh.bounds();
+    by_thickness(high - low, thinnest_of(clean))
+}
+
 fn by_thickness(extent: DVec3, thickness: f64) -> [usize; 3] {
     let longest = extent.max_element() / ALONG;
     let along = |spacing: f64| (extent / spacing).ceil().max(DVec3::ONE);

@@ -32,6 +32,8 @@ pub struct MeshChanges {
     pub holes: usize,
     /// Open flat parts, which enclose nothing.
     pub sheets: Vec<Sheet>,
+    /// Number of triangles of the raw mesh, if these parts had most of them.
+    pub mostly_left_out: Option<usize>,
 }
 
 /// An omitted part.
@@ -78,7 +80,15 @@ impl MeshChanges {
             }
             let what =
                 plural(self.sheets.len(), "open part that encloses", "open parts that enclose");
-            sentences.push(format!("{what} nothing left out: {}", named.join(", ")));
+            let left_out: usize = self.sheets.iter().map(|sheet| sheet.triangles).sum();
+            // A thickness would make solids of them.
+            let mostly = self.mostly_left_out.map_or_else(String::new, |all| {
+                format!(
+                    "; these are {left_out} of {all} triangles, and a thickness makes plates of \
+                     open parts (--thickness, or a scene's \"thickness\")"
+                )
+            });
+            sentences.push(format!("{what} nothing left out: {}{mostly}", named.join(", ")));
         }
         sentences
     }
