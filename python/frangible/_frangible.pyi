@@ -141,8 +141,8 @@ class Pattern:
         another one."""
 
     @property
-    def is_made(self) -> bool:
-        """True if it can be made anew, finer or coarser: not from a file."""
+    def has_middle(self) -> bool:
+        """True if its cells lie around the blow and nowhere else: spokes, and those of a file."""
 
     def save(self, path: str) -> None:
         """Write a file that `load` makes an equal pattern of; `BuildError` if it cannot be

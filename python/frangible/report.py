@@ -141,6 +141,8 @@ class Fracture(TypedDict):
     energy: float
     #: How many pieces its description asks for, if it does.
     wanted: NotRequired[int]
+    #: As many came, without loose parts and slivers below a hundredth of the mean piece.
+    counted: NotRequired[int]
     #: Its fragments.
     fragments: list[int]
     #: Where each fragment lay in the body.

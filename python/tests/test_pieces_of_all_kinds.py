@@ -68,7 +68,7 @@ def test_slender_bodies_break_into_the_pieces_soon(kind: str) -> None:
             at = surface_point(shape, random)
             pattern = {"kind": kind, "seed": int(random.integers(1000))}
             count, seconds = burst(shape, {"pattern": pattern, "pieces": pieces}, at)
-            # A blow beside the middle of a few spokes leaves one of them out.
+            # Few spokes and rings do not always come out even.
             most = max(WITHIN * pieces, 1 if kind in ("radial", "bricks") else 0)
             assert abs(count - pieces) <= most, (kind, shape, at, count)
             assert seconds < SOON, (kind, shape, count, seconds)
@@ -126,7 +126,9 @@ def test_parts_far_apart_share_the_pieces(tmp_path: Path, kind: str) -> None:
         broken = break_mesh(mesh, pattern, pieces=pieces)
         volumes = np.array([piece.volume for piece in broken.pieces])
         assert (volumes < 1e-4).sum() == len(crumbs)
-        assert abs(len(volumes) - len(crumbs) - pieces) <= 0.1 * pieces, kind
+        # A file's cells come and go in larger steps, a part at a time.
+        most = max(0.1 * pieces, len(boxes) // 2) if kind == "file" else 0.1 * pieces
+        assert abs(len(volumes) - len(crumbs) - pieces) <= most, kind
         assert "5 loose parts are smaller than 0.01 of the mean piece" in broken.notes[-1]
         assert broken.volume_defect < 1e-9
         # By their volume.

@@ -177,6 +177,9 @@ pub struct Fracture {
     /// Number of pieces in the body's description, if given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wanted: Option<usize>,
+    /// As many came, without loose parts and slivers below a hundredth of the mean piece.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted: Option<usize>,
     /// Fragments of the body.
     pub fragments: Vec<u64>,
     /// Where each fragment lay in the body.

@@ -197,8 +197,8 @@ impl Pattern {
     }
 
     #[getter]
-    fn is_made(&self) -> bool {
-        self.seed().is_some()
+    fn has_middle(&self) -> bool {
+        matches!(self.1, None | Some(PatternDesc::Radial(_) | PatternDesc::File(_)))
     }
 
     fn is_joint(&self, cell: usize) -> PyResult<bool> {

@@ -53,5 +53,7 @@ export interface Fracture {
   /** [J] */
   energy: number;
   wanted?: number;
+  /** As many came, without loose parts and slivers below a hundredth of the mean piece. */
+  counted?: number;
   imbalance: { mass: number; momentum: number; angular_momentum: number; kinetic_energy: number };
 }

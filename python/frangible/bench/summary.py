@@ -116,7 +116,7 @@ class RunFigures:
                 self._first_fracture = report["time"]
             self._fractures += 1
             if wanted := fracture.get("wanted"):
-                self._asked.append((wanted, len(fracture["fragments"])))
+                self._asked.append((wanted, fracture.get("counted", len(fracture["fragments"]))))
             self._pieces.discard(fracture["body"])
             self._pieces.update(fracture["fragments"])
         self._pieces.difference_update(taken["body"] for taken in report["quarantined"])

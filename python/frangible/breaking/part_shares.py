@@ -85,8 +85,8 @@ def _cut_into(body: Manifold, blow: Blow, pieces: int, number: int, is_one_of: b
     equal parts."""
     mesh, box = arrays(body), body.bounding_box()
     at, normal = blow.at.tolist(), blow.normal.tolist()
-    if is_one_of and not blow.pattern.is_made:
-        # Cells that are given are laid around the blow, which may be far from this part.
+    if is_one_of and blow.pattern.has_middle:
+        # The blow may be far from this part.
         at = landing_point(mesh, blow.normal).tolist()
 
     def along(chosen: _frangible.Pattern, coarseness: float) -> Cutting:

@@ -166,11 +166,13 @@ impl Struck<'_> {
     }
 }
 
-/// Number of pieces without slivers and crumbs.
+/// Number of pieces without slivers and crumbs: of what comes loose and of what a reach leaves.
 pub(crate) fn counted(fragments: &[Fragment], wanted: usize) -> usize {
-    let volume: f64 = fragments.iter().map(|fragment| fragment.shape.volume).sum();
+    let loose = || fragments.iter().filter(|fragment| !fragment.is_rest());
+    let volume: f64 = loose().map(|fragment| fragment.shape.volume).sum();
     let least = LEAST_PIECE * volume / wanted as f64;
-    fragments.iter().filter(|fragment| fragment.shape.volume >= least).count()
+    let slivers = loose().filter(|fragment| fragment.shape.volume < least).count();
+    fragments.len() - slivers
 }
 
 impl Draft {

@@ -4,7 +4,7 @@ use crate::report::at_rest::at_rest;
 use crate::report::books::Totals;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::scene::desc::LookDesc;
-use crate::scene::pattern_choice::{PatternChoice, Struck};
+use crate::scene::pattern_choice::{PatternChoice, Struck, counted};
 use crate::world::{Breaking, Label, World};
 use frangible_bodies::{
     Bodies, BodyId, Frame, Inertia, Motion, NewBody, Pair, Pose, SurfaceProperties, Velocity,
@@ -178,12 +178,14 @@ pub(crate) fn replace(
     let mut are_rest = Vec::new();
     for mut broken in breaks {
         let first = born.len();
+        let wanted = broken.breaking.as_ref().and_then(|breaking| breaking.choice.wanted());
+        let counted = wanted.map(|wanted| counted(&broken.fragments, wanted));
         for (index, fragment) in std::mem::take(&mut broken.fragments).into_iter().enumerate() {
             let label = fragment_label(world, &broken, index, &fragment);
             are_rest.push(fragment.is_rest());
             born.push((fragment_body(&world.bodies, broken.parent, fragment, &label), label));
         }
-        let Break { parent, spent, breaking, cause, .. } = broken;
+        let Break { parent, spent, cause, .. } = broken;
         let pieces = || born[first..].iter().map(|(body, _)| body);
         let (rest_poses, contacts) = at_rest(&world.bodies, parent, pieces());
         fractures.push(Fracture {
@@ -194,7 +196,8 @@ pub(crate) fn replace(
             impulse: cause.impulse,
             borne: cause.borne,
             energy: spent,
-            wanted: breaking.and_then(|breaking| breaking.choice.wanted()),
+            wanted,
+            counted,
             fragments: vec![0; born.len() - first],
             rest_poses,
             contacts,

@@ -45,6 +45,7 @@ pub(crate) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> 
             borne: *borne,
             energy: 0.0,
             wanted: None,
+            counted: None,
             fragments: vec![0; born.len() - first],
             rest_poses,
             contacts,
