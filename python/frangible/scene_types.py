@@ -63,7 +63,8 @@ class Resolution(Description):
     _: KW_ONLY
     #: Level-set voxels across the bounding box along x, y, z; voxels are cubes, hence the largest
     #: need decides. Without it, closed forms stay formulas, hulls stay polyhedra, and shapes that
-    #: need samples get 64 voxels along their longest side.
+    #: need samples get 64 voxels along their longest side, or three across their thinnest part, if
+    #: that is finer and makes no more voxels than a cube has.
     voxels: Numbers | None = None
     #: Distance between surface samples [m]. Without it, two voxels, or a tenth of the longest side
     #: for shapes without a grid.

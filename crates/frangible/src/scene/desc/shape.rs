@@ -173,7 +173,7 @@ pub struct Resolution {
     /// Level-set voxels across the bounding box along x, y, z; voxels are cubes, hence the largest
     /// need decides. Without it, closed forms stay formulas, hulls stay polyhedra, and shapes that
     /// need samples get 64 voxels along their longest side, or three across their thinnest part, if
-    /// that are more and not more than a cube has.
+    /// that is finer and makes no more voxels than a cube has.
     #[serde(default)]
     pub voxels: Option<[usize; 3]>,
     /// Distance between surface samples [m]. Without it, two voxels, or a tenth of the longest side
