@@ -46,7 +46,9 @@ pub(super) fn join_sheets(assembly: &mut Assembly, parts: &mut [Part]) {
     for a in 0..open.len() {
         for b in a + 1..open.len() {
             let away = apart(&open[a], &open[b]).max(apart(&open[b], &open[a]));
-            if away < size(&open[a]).min(size(&open[b])) {
+            let size = size(&open[a]).min(size(&open[b]));
+            // Two sides of one sheet have nothing between them.
+            if away < size && away > FLAT_OPEN * size {
                 pairs.push((away, a, b));
             }
         }
