@@ -167,6 +167,7 @@ fn grid_pattern(axes: usize) -> Pattern {
         half_extent: DVec3::ONE,
         center: DVec3::ZERO,
         magnification: 1.0,
+        scale: None,
         cells,
         joints: Vec::new(),
     }
@@ -247,6 +248,7 @@ fn a_sliver_that_fits_to_nothing_stays() {
         center: DVec3::ZERO,
         cells: Cells::Planar(pinwheel),
         magnification: 1.0,
+        scale: None,
         joints: Vec::new(),
     };
     let parent = Shape::closed_form(ClosedForm::Box { half: DVec3::new(0.5, 0.4, 0.3) }, 0.1);
