@@ -25,6 +25,7 @@ use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull;
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Portion, Shape};
+use frangible_math::cancel;
 use laid::Laid;
 use particles::Lookup;
 use slivers::Pieces;
@@ -41,6 +42,7 @@ pub fn shatter(
     impact: &Impact,
     settings: &ShatterSettings,
 ) -> Vec<Fragment> {
+    cancel::check();
     match (&parent.geometry, pattern.planar()) {
         (Geometry::Grid(solid), Some(regions)) if settings.reach.is_none() => {
             let placement = Placement::with(pattern, impact, parent, settings);

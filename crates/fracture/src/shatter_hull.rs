@@ -16,6 +16,7 @@ use crate::slivers::{Groups, Smallest};
 use frangible_geometry::parallel_axis;
 use frangible_geometry::weld_hulls;
 use frangible_geometry::{CellCutter, HalfSpace, Hull, HullFace, MassProperties, Shape};
+use frangible_math::cancel;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 
@@ -194,6 +195,7 @@ impl<'a> Workshop<'a> {
         region: &Region,
         cell: u32,
     ) -> Option<Piece> {
+        cancel::check();
         // Keep planes that reach the parent, deepest first: later cuts then have less to do.
         self.reaching.clear();
         for cut in &region.cuts {

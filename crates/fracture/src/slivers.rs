@@ -1,6 +1,7 @@
 //! Slivers join a neighbour: one rule for all ways of breaking.
 
 use frangible_geometry::{MassProperties, Shape};
+use frangible_math::cancel;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -125,6 +126,7 @@ impl Groups {
             touching[b].push((a, area));
         }
         while let Some(at) = self.lightest(&open) {
+            cancel::check();
             let sliver = open.swap_remove(at);
             let around = self.hosts(sliver, &touching, &host_of);
             let mut join = |host: usize| {

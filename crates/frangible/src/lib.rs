@@ -34,6 +34,7 @@ pub use frangible_dynamics as dynamics;
 pub use frangible_fracture as fracture;
 pub use frangible_geometry as geometry;
 pub use frangible_math as math;
+pub use frangible_math::cancel::Cancel;
 pub use report::at_rest::{PieceContact, RestPose};
 pub use report::{
     Causes, Energy, Fracture, Imbalance, Impulses, Momentum, Quarantined, StepReport,

@@ -26,15 +26,16 @@ use crate::step::substeps::move_by_substeps;
 use crate::step::waiting::{Contacts, start_and_advance};
 use crate::world::World;
 use frangible_bodies::Frame;
+use frangible_math::threads;
 
 /// Advances a world by one frame: collide and break, move by the scene's method, balance, report
 /// (docs/the_step.md). n is the frame's start. Cannot fail: what goes bad is quarantined and
-/// reported.
+/// reported. Long frames can be called off by [`Cancel`](crate::Cancel), on a copy of the world.
 pub fn step(world: &mut World) -> StepReport {
     // Many bodies are shared among the threads of the pool that this is called in, or of the global
     // one; the bits are the same.
     if world.bodies.len() > FEW && rayon::current_num_threads() > 1 {
-        rayon::scope(|_| advance(world))
+        threads::in_pool(|| advance(world))
     } else {
         advance(world)
     }

@@ -3,6 +3,7 @@
 //! same bits on any number of them, rigid transforms, symmetric eigenproblems, Jacobi's elliptic
 //! functions and disjoint sets. All `unsafe` of the engine is in `instructions/`.
 
+pub mod cancel;
 pub mod check;
 mod disjoint_sets;
 mod instructions;

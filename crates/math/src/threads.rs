@@ -3,7 +3,10 @@
 //!
 //! The pool only sees item numbers and a single call type. With generic kernels each call site
 //! would be compiled three times, two fifths of the whole compile time.
+//!
+//! All of them end early once their work is called off ([`cancel`]).
 
+use crate::cancel;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -17,6 +20,15 @@ pub fn is_shared(things: usize) -> bool {
     things > FEW && rayon::current_thread_index().is_some() && rayon::current_num_threads() > 1
 }
 
+/// Does work on a thread of the current pool, or of the global one.
+pub fn in_pool<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+    let cancel = cancel::current();
+    rayon::scope(|_| {
+        let _here = cancel::enter(cancel);
+        work()
+    })
+}
+
 /// Calls `call` about once per thread, with an iterator over numbers below `count`; each number
 /// comes once. A thread starts with its own range (the same range for the same count, for warm
 /// caches), then steals unstarted numbers of other threads.
@@ -25,7 +37,9 @@ fn share(count: usize, call: &(dyn Fn(&mut dyn Iterator<Item = usize>) + Sync)) 
     let end = |stretch: usize| (stretch + 1) * count / stretches;
     let next: Vec<AtomicUsize> =
         (0..stretches).map(|stretch| AtomicUsize::new(stretch * count / stretches)).collect();
+    let cancel = cancel::current();
     let of_thread = |_| {
+        let _here = cancel::enter(cancel.clone());
         let own = rayon::current_thread_index().unwrap_or(0);
         let mut numbers = (own..own + stretches).map(|turn| turn % stretches).flat_map(|stretch| {
             let next = &next[stretch];
@@ -61,12 +75,16 @@ pub fn for_each_with<T: Send, R>(
         share(items.len(), &|numbers| {
             let mut own = None;
             for i in numbers {
+                cancel::check();
                 with(&items[i], |item| visit(own.get_or_insert_with(&room), item));
             }
         });
     } else {
         let mut room = room();
-        items.iter_mut().for_each(|item| visit(&mut room, item));
+        for item in items {
+            cancel::check();
+            visit(&mut room, item);
+        }
     }
 }
 
@@ -77,7 +95,20 @@ pub fn join<A: Send, B: Send>(
     one: impl FnOnce() -> A + Send,
     other: impl FnOnce() -> B + Send,
 ) -> (A, B) {
-    if is_shared(things) { rayon::join(one, other) } else { (one(), other()) }
+    if !is_shared(things) {
+        return (one(), other());
+    }
+    let cancel = cancel::current();
+    rayon::join(
+        || {
+            let _here = cancel::enter(cancel.clone());
+            one()
+        },
+        || {
+            let _here = cancel::enter(cancel.clone());
+            other()
+        },
+    )
 }
 
 /// Maps each item in parallel.
@@ -98,7 +129,11 @@ pub fn map_with<T: Send, R: Send, O>(
 ) -> Vec<R> {
     if items.len() <= 1 || !is_shared(things) {
         let mut room = room();
-        return items.into_iter().map(|item| of(&mut room, item)).collect();
+        let one = |item| {
+            cancel::check();
+            of(&mut room, item)
+        };
+        return items.into_iter().map(one).collect();
     }
     let mut slots: Vec<(Option<T>, Option<R>)> =
         items.into_iter().map(|item| (Some(item), None)).collect();
@@ -110,9 +145,13 @@ pub fn map_with<T: Send, R: Send, O>(
 
 /// A list of `count` values, computed in parallel by index.
 pub fn list<R: Send>(count: usize, of: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+    cancel::check();
     if is_shared(count) {
         let of: &(dyn Fn(usize) -> R + Sync) = &of;
-        (0..count).into_par_iter().with_min_len(FEW).map(of).collect()
+        let cancel = cancel::current();
+        let here = || cancel::enter(cancel.clone());
+        let numbers = (0..count).into_par_iter().with_min_len(FEW);
+        numbers.map_init(here, |_, i| of(i)).collect()
     } else {
         (0..count).map(of).collect()
     }

@@ -9,6 +9,7 @@ mod interrupt;
 mod memory;
 mod mesh;
 mod meshopt;
+mod own_world;
 mod patterns;
 mod scene_files;
 mod threads;
@@ -19,7 +20,7 @@ use frangible::geometry::{MeshError, mesh_io};
 use frangible::{Method, SceneDesc};
 use frangible_shots::claims::{CLAIMS, Claim, Finding};
 use frangible_shots::{SHOTS, Shot, ShotOptions};
-use interrupt::interruptible;
+use interrupt::{interruptible, interruptible_in};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -107,7 +108,7 @@ fn claims() -> Vec<(&'static str, &'static str, &'static str)> {
 fn check_claim<'py>(py: Python<'py>, name: &str) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let claim = Claim::find(name).map_err(|error| PyKeyError::new_err(error.to_string()))?;
     let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(build_error)?;
-    let findings = py.detach(|| pool.install(|| claim.check()));
+    let findings = interruptible_in(py, &pool, || py.check_signals(), || claim.check())?;
     let as_dict = |finding: &Finding| {
         let facts = PyDict::new(py);
         facts.set_item("quantity", &finding.quantity)?;

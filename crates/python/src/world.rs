@@ -3,15 +3,16 @@
 use crate::convert;
 use crate::errors::build_error;
 use crate::interrupt::interruptible;
+use crate::own_world::{Inner, OwnWorld};
 use crate::scene_files::{scene, with_files};
-use crate::threads::{Pool, busy};
+use crate::threads::Pool;
 use frangible::bodies::Motion;
-use frangible::{BodyId, BuildError, LookDesc, id_number};
+use frangible::{BodyId, LookDesc, id_number};
 use numpy::{PyArray1, PyArray2, PyArray3};
-use pyo3::exceptions::{PyKeyError, PyRuntimeError};
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use std::sync::{Mutex, MutexGuard, OnceLock, TryLockError};
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// Vertices [m], triangles, and whether a crack made each.
@@ -30,33 +31,9 @@ const MOST_THREADS: usize = 4096;
 
 /// Bodies, and the engine that moves and breaks them.
 #[pyclass(frozen, module = "frangible._frangible")]
-pub(crate) struct World(Mutex<Inner>);
-
-struct Inner {
-    world: frangible::World,
-    pool: Pool,
-}
+pub(crate) struct World(OwnWorld);
 
 impl World {
-    /// The world, for this thread alone.
-    fn inner(&self) -> PyResult<MutexGuard<'_, Inner>> {
-        match self.0.try_lock() {
-            Ok(inner) => Ok(inner),
-            Err(TryLockError::WouldBlock) => Err(busy()),
-            Err(TryLockError::Poisoned(_)) => Err(PyRuntimeError::new_err(
-                "the world was left in the middle of a step: build it anew",
-            )),
-        }
-    }
-
-    /// What a caller does to the world; answers with the rule that it breaks.
-    fn act<T>(
-        &self,
-        act: impl FnOnce(&mut frangible::World) -> Result<T, BuildError>,
-    ) -> PyResult<T> {
-        act(&mut self.inner()?.world).map_err(build_error)
-    }
-
     /// A world of plain data, or of JSON.
     fn from_readable(
         py: Python<'_>,
@@ -73,7 +50,7 @@ impl World {
         if let Ok(materials) = readable.getattr("materials_text") {
             world.set_note(materials.extract()?);
         }
-        Ok(Self(Mutex::new(Inner { world, pool })))
+        Ok(Self(OwnWorld::new(world, pool)))
     }
 }
 
@@ -106,10 +83,10 @@ impl World {
 
     /// Add a body as a scene would hold it; its id.
     fn add_body(&self, py: Python<'_>, body: &Bound<'_, PyAny>) -> PyResult<u64> {
-        let materials = self.inner()?.world.note().to_owned();
+        let materials = self.0.inner()?.world.note().to_owned();
         let alone = py.import("frangible.scenes")?.call_method1("scene_of", (body, materials))?;
         let scene = with_files(&alone, scene)?;
-        let mut inner = self.inner()?;
+        let mut inner = self.0.inner()?;
         let Inner { world, pool } = &mut *inner;
         let body = &scene.bodies[0];
         let added = pool.here()?.install(|| world.add_body(body));
@@ -119,49 +96,54 @@ impl World {
     /// Take a living body out.
     fn remove_body(&self, id: Given<'_, '_>) -> PyResult<()> {
         let id = convert::body(id)?;
-        self.act(|world| world.remove_body(id))
+        self.0.act(|world| world.remove_body(id))
     }
 
     /// Advance by one frame and report on it.
     fn step<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mut inner = self.inner()?;
-        let Inner { world, pool } = &mut *inner;
-        let pool = pool.here()?;
-        let report = py.detach(|| pool.install(|| frangible::step(world)));
+        let report = self.0.change(py, frangible::step)?;
         let report = serde_json::to_value(&report).map_err(build_error)?;
         convert::json(py, &report)
     }
 
+    /// End the step that runs, or the next one, with `KeyboardInterrupt`.
+    fn stop_step(&self) {
+        self.0.stop();
+    }
+
     #[getter]
     fn frame(&self) -> PyResult<u64> {
-        Ok(self.inner()?.world.frame())
+        Ok(self.0.inner()?.world.frame())
     }
 
     #[getter]
     fn time(&self) -> PyResult<f64> {
-        Ok(self.inner()?.world.time())
+        Ok(self.0.inner()?.world.time())
     }
 
     #[getter]
     fn dt(&self) -> PyResult<f64> {
-        Ok(self.inner()?.world.dt())
+        Ok(self.0.inner()?.world.dt())
     }
 
     #[getter]
     fn method<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        convert::json(py, &serde_json::to_value(self.inner()?.world.method()).map_err(build_error)?)
+        convert::json(
+            py,
+            &serde_json::to_value(self.0.inner()?.world.method()).map_err(build_error)?,
+        )
     }
 
     #[getter]
     fn energy(&self) -> PyResult<(f64, f64)> {
-        let mut inner = self.inner()?;
+        let mut inner = self.0.inner()?;
         let pool = inner.pool.here()?;
         Ok(pool.install(|| inner.world.energy()))
     }
 
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u64>>> {
-        let world = &self.inner()?.world;
+        let world = &self.0.inner()?.world;
         Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| id_number(id))))
     }
 
@@ -169,7 +151,7 @@ impl World {
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         convert::rows(
             py,
-            self.inner()?.world.bodies().poses.iter().map(|pose| pose.position.to_array()),
+            self.0.inner()?.world.bodies().poses.iter().map(|pose| pose.position.to_array()),
         )
     }
 
@@ -177,13 +159,13 @@ impl World {
     fn orientations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         convert::rows(
             py,
-            self.inner()?.world.bodies().poses.iter().map(|pose| pose.orientation.to_array()),
+            self.0.inner()?.world.bodies().poses.iter().map(|pose| pose.orientation.to_array()),
         )
     }
 
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let inner = self.inner()?;
+        let inner = self.0.inner()?;
         let bodies = inner.world.bodies();
         let linear = |i: usize| match bodies.motions[i] {
             Motion::Kinematic { linear, .. } => linear,
@@ -194,7 +176,7 @@ impl World {
 
     #[getter]
     fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let inner = self.inner()?;
+        let inner = self.0.inner()?;
         let bodies = inner.world.bodies();
         let angular = |i: usize| match bodies.motions[i] {
             Motion::Kinematic { angular, .. } => angular,
@@ -208,7 +190,7 @@ impl World {
 
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let world = &self.inner()?.world;
+        let world = &self.0.inner()?.world;
         let masses = world.bodies().ids.iter().filter_map(|&id| world.mass(id));
         Ok(PyArray1::from_iter(py, masses))
     }
@@ -216,42 +198,43 @@ impl World {
     /// Of the shapes; 0 for those without a volume.
     #[getter]
     fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let inner = self.inner()?;
+        let inner = self.0.inner()?;
         let shapes = &inner.world.bodies().shapes;
         Ok(PyArray1::from_iter(py, shapes.iter().map(|shape| shape.volume)))
     }
 
     #[getter]
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let world = &self.inner()?.world;
+        let world = &self.0.inner()?.world;
         Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| world.is_asleep(id))))
     }
 
     #[getter]
     fn waiting<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let world = &self.inner()?.world;
+        let world = &self.0.inner()?.world;
         Ok(PyArray1::from_iter(py, world.bodies().ids.iter().map(|&id| world.is_waiting(id))))
     }
 
     /// Start a body that waits.
     fn start(&self, id: Given<'_, '_>) -> PyResult<bool> {
         let id = convert::body(id)?;
-        Ok(self.inner()?.world.start(id))
+        Ok(self.0.inner()?.world.start(id))
     }
 
     #[getter]
     fn names(&self) -> PyResult<Vec<String>> {
-        Ok(self.inner()?.world.labels().iter().map(|label| label.name.clone()).collect())
+        Ok(self.0.inner()?.world.labels().iter().map(|label| label.name.clone()).collect())
     }
 
     #[getter]
     fn parents(&self) -> PyResult<Vec<Option<u64>>> {
-        Ok(self.inner()?.world.labels().iter().map(|label| label.parent.map(id_number)).collect())
+        Ok(self.0.inner()?.world.labels().iter().map(|label| label.parent.map(id_number)).collect())
     }
 
     #[getter]
     fn looks(&self) -> PyResult<Vec<Option<&'static str>>> {
         Ok(self
+            .0
             .inner()?
             .world
             .labels()
@@ -264,7 +247,7 @@ impl World {
     /// origin [m] and orientation.
     fn material_frame(&self, id: Given<'_, '_>) -> PyResult<([f64; 3], [f64; 4])> {
         let id = convert::body(id)?;
-        let inner = self.inner()?;
+        let inner = self.0.inner()?;
         let bodies = inner.world.bodies();
         let dense = bodies.index_of(id);
         let dense = dense.ok_or_else(|| gone(id))?;
@@ -282,7 +265,7 @@ impl World {
         let id = convert::body(id)?;
         let (linear, angular) =
             (convert::vector("linear", linear)?, convert::vector("angular", angular)?);
-        self.act(|world| world.set_velocity(id, linear.into(), angular.into()))
+        self.0.act(|world| world.set_velocity(id, linear.into(), angular.into()))
     }
 
     /// An impulse at a point; its work.
@@ -295,7 +278,7 @@ impl World {
         let id = convert::body(id)?;
         let (impulse, point) =
             (convert::vector("impulse", impulse)?, convert::vector("point", point)?);
-        self.act(|world| world.apply_impulse(id, impulse.into(), point.into()))
+        self.0.act(|world| world.apply_impulse(id, impulse.into(), point.into()))
     }
 
     /// Pull a point of a body to a place, until it is let go.
@@ -310,18 +293,19 @@ impl World {
         let (point, target) =
             (convert::vector("point", point)?, convert::vector("target", target)?);
         let force = convert::scalar("force", force)?;
-        self.act(|world| world.hold(id, point.into(), target.into(), force))
+        self.0.act(|world| world.hold(id, point.into(), target.into(), force))
     }
 
     /// Let go of a body; False if it is not held.
     fn let_go(&self, id: Given<'_, '_>) -> PyResult<bool> {
         let id = convert::body(id)?;
-        Ok(self.inner()?.world.let_go(id))
+        Ok(self.0.inner()?.world.let_go(id))
     }
 
     /// Cut a body along a plane; its pieces.
     fn cut(
         &self,
+        py: Python<'_>,
         id: Given<'_, '_>,
         point: Given<'_, '_>,
         normal: Given<'_, '_>,
@@ -329,24 +313,30 @@ impl World {
         let id = convert::body(id)?;
         let (point, normal) =
             (convert::vector("point", point)?, convert::vector("normal", normal)?);
-        let cut = self.act(|world| world.cut(id, point.into(), normal.into()))?;
-        Ok(cut.into_iter().map(id_number).collect())
+        let cut = self.0.change(py, move |world| world.cut(id, point.into(), normal.into()))?;
+        Ok(cut.map_err(build_error)?.into_iter().map(id_number).collect())
     }
 
     /// Break a body by its pattern and send the pieces apart; the pieces.
     #[pyo3(signature = (id, point, speed=0.0))]
-    fn burst(&self, id: Given<'_, '_>, point: Given<'_, '_>, speed: f64) -> PyResult<Vec<u64>> {
+    fn burst(
+        &self,
+        py: Python<'_>,
+        id: Given<'_, '_>,
+        point: Given<'_, '_>,
+        speed: f64,
+    ) -> PyResult<Vec<u64>> {
         let id = convert::body(id)?;
         let point = convert::vector("point", point)?;
-        let burst = self.act(|world| world.burst(id, point.into(), speed))?;
-        Ok(burst.into_iter().map(id_number).collect())
+        let burst = self.0.change(py, move |world| world.burst(id, point.into(), speed))?;
+        Ok(burst.map_err(build_error)?.into_iter().map(id_number).collect())
     }
 
     /// Vertices (v, 3) in the body frame [m], triangles (t, 3), whether a crack made each (t,), and
     /// texture coordinates of their corners (t, 3, 2) [m].
     fn surface<'py>(&self, py: Python<'py>, id: Given<'_, '_>) -> PyResult<SurfaceArrays<'py>> {
         let id = convert::body(id)?;
-        let mut inner = self.inner()?;
+        let mut inner = self.0.inner()?;
         let Inner { world, pool } = &mut *inner;
         let pool = pool.here()?;
         let surface = py.detach(|| pool.install(|| world.surface(id)));
@@ -362,7 +352,7 @@ impl World {
 
     /// How deep each overlapping pair is.
     fn penetrations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let mut inner = self.inner()?;
+        let mut inner = self.0.inner()?;
         let Inner { world, pool } = &mut *inner;
         let pool = pool.here()?;
         Ok(PyArray1::from_vec(py, py.detach(|| pool.install(|| world.penetrations()))))
@@ -370,7 +360,7 @@ impl World {
 
     /// All of the state, for `restore`.
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let inner = self.inner()?;
+        let inner = self.0.inner()?;
         let world = &inner.world;
         let bytes = py.detach(|| world.snapshot()).map_err(build_error)?;
         Ok(PyBytes::new(py, &bytes))
@@ -385,12 +375,12 @@ impl World {
             .detach(|| frangible::World::restore(snapshot))
             .map_err(|error| build_error(format!("snapshot: {error}")))?;
         world.set_clock(seconds);
-        Ok(Self(Mutex::new(Inner { world, pool: Pool::new(threads) })))
+        Ok(Self(OwnWorld::new(world, Pool::new(threads))))
     }
 
     /// Hexadecimal digest of the whole state.
     fn state_hash(&self) -> PyResult<String> {
-        Ok(format!("{:016x}", self.inner()?.world.state_hash()))
+        Ok(format!("{:016x}", self.0.inner()?.world.state_hash()))
     }
 
     /// What a notebook shows of it.

@@ -14,7 +14,7 @@ use super::timeline::Timeline;
 use super::touching::{Place, Touching};
 use frangible_bodies::{Bodies, Frame, Pair};
 use frangible_collision::{CachedImpulse, FixedNeighbours, Manifold};
-use frangible_math::{Instructions, LANES, Single, prefetch, threads};
+use frangible_math::{Instructions, LANES, Single, cancel, prefetch, threads};
 use glam::Vec3;
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -171,6 +171,7 @@ impl<I: Instructions> Group<I> {
         let has_bounces = self.batches.iter().any(|batch| batch.bounces.any());
         let mut timeline = has_bounces.then(|| Timeline::new(&self.bodies, self.batches.len()));
         for number in 0..self.substeps {
+            cancel::check();
             let time_left = f64::from(self.substeps - number) * self.h;
             self.bodies.kick(kick);
             self.ask(&substep);
@@ -239,6 +240,7 @@ impl<I: Instructions> Group<I> {
     ) {
         self.budget.begin_substep();
         while !self.budget.is_spent() {
+            cancel::check();
             let Self { batches, bodies: solver_bodies, touching, speculative, budget, .. } = self;
             let touching = touching.get_or_init(|| Touching::new(batches, solver_bodies));
             let (times, asking) = ((&mut *timeline, touching), speculative.asking());

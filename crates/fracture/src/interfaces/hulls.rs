@@ -5,6 +5,7 @@ use crate::interfaces::interface::{Contacts, Interface};
 use crate::polygon;
 use crate::slivers::Contact;
 use frangible_geometry::{HalfSpace, Hull, HullFace};
+use frangible_math::cancel;
 use glam::DVec3;
 
 /// Faces this close together, relative to the longest side of all the pieces' bounding boxes, lie
@@ -24,6 +25,7 @@ pub(crate) fn contacts(hulls: &[Hull]) -> Vec<Interface> {
     order.sort_by(|&a, &b| bounds[a].0.x.total_cmp(&bounds[b].0.x).then(a.cmp(&b)));
     let mut contacts = Contacts::default();
     for (at, &first) in order.iter().enumerate() {
+        cancel::check();
         let (low, high) = (bounds[first].0 - near, bounds[first].1 + near);
         for &second in order[at + 1..].iter().take_while(|&&other| bounds[other].0.x <= high.x) {
             let (other_low, other_high) = bounds[second];
@@ -43,6 +45,7 @@ pub(crate) fn contacts_of_some(hulls: &[&Hull], some: &[bool]) -> Vec<Contact> {
     let near = SAME_PLANE * longest;
     let mut contacts = Contacts::default();
     for first in (0..hulls.len()).filter(|&hull| some[hull]) {
+        cancel::check();
         let (low, high) = (bounds[first].0 - near, bounds[first].1 + near);
         for (second, (other_low, other_high)) in bounds.iter().enumerate() {
             // A pair of them is looked at from its first.

@@ -2,6 +2,7 @@
 
 use crate::polygon;
 use frangible_geometry::{HalfSpace, Hull};
+use frangible_math::cancel;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -53,6 +54,7 @@ const SMALLEST_FACE: f64 = 1e-14;
 impl Region {
     /// Intersection of half-spaces, without half-spaces that do not bound it within the box.
     pub fn from_half_spaces(half_spaces: &[HalfSpace], half_extent: DVec3) -> Self {
+        cancel::check();
         let smallest = SMALLEST_FACE * half_extent.length_squared();
         let mut cuts = Vec::new();
         for (at, &half_space) in half_spaces.iter().enumerate() {
