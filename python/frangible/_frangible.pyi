@@ -323,7 +323,14 @@ class World:
         """
 
     def step(self) -> StepReport:
-        """Advance by one frame, without the interpreter lock, and report on it."""
+        """Advance by one frame, without the interpreter lock, and report on it.
+
+        A signal whose handler raises, as Ctrl-C, ends it: the world is as it was before.
+        """
+
+    def stop_step(self) -> None:
+        """End the step that another thread or a handler of signals sees running, or else the next
+        one, with `KeyboardInterrupt`: the world is as it was before."""
 
     @property
     def frame(self) -> int:

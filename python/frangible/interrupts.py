@@ -1,13 +1,14 @@
 """Signals that end a command early.
 
-Of a run the first lets the frame end and its outputs be written, the second ends at once.
+Of a run the first ends the frame that is simulated, and its outputs are written; the second ends at
+once.
 """
 
 from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -60,13 +61,14 @@ class Stop:
 
 
 @contextmanager
-def stop_when_asked() -> Iterator[Stop]:
-    """While the context lasts, the first signal is noted and the second ends the process, also in
-    the middle of a frame."""
+def stop_when_asked(stop_step: Callable[[], None]) -> Iterator[Stop]:
+    """While the context lasts, the first signal is noted and calls ``stop_step``, and the second
+    ends the process at once."""
     stop = Stop()
 
     def note(number: int, _: FrameType | None) -> None:
         stop.signal = number
+        stop_step()
         for one in SIGNALS:
             signal.signal(one, signal.SIG_DFL)
 

@@ -203,10 +203,15 @@ def step_frames(
     done: int = 0,
 ) -> None:
     """Step a world ``frames`` times, of which ``done`` are behind it, or until ``stop`` says so
-    after a step."""
+    after a step; `World.stop_step` may end one before it is done."""
     for frame in range(done + 1, frames + 1):
         begin = time.perf_counter()
-        report = world.step()
+        try:
+            report = world.step()
+        except KeyboardInterrupt:
+            if stop():
+                break
+            raise
         on_step(report, 1e3 * (time.perf_counter() - begin))
         if progress is not None:
             progress(frame, report["bodies"])

@@ -163,12 +163,12 @@ class RunFigures:
             "mass_kg": {"start": mass[0], "end": mass[1]},
             "energy_J": {
                 "start": sum(energy),
-                "end": self._total,
+                "end": self._total if self.frames else sum(energy),
                 "work": math.fsum(self._work),
                 "started": math.fsum(self._started),
                 "dissipated": -math.fsum(self._gains),
                 "banked": math.fsum(self._banked),
-                "max_frame_gain": max(self._gains),
+                "max_frame_gain": max(self._gains, default=0.0),
                 "scale": max(kinetics) + max(potentials) - min(potentials),
             },
             "momentum": {"linear_error": self._linear, "angular_error": self._angular},
@@ -231,7 +231,7 @@ def _count(number: int, noun: str) -> str:
 def spread(values: Sequence[float]) -> dict[str, float]:
     """Mean, median, 95th percentile and maximum."""
     return {
-        "mean": float(np.mean(values)),
+        "mean": float(np.mean(values)) if len(values) else 0.0,
         "median": _percentile(values, 50),
         "p95": _percentile(values, 95),
         "max": _percentile(values, 100),
