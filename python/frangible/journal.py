@@ -114,6 +114,13 @@ def read_journal(path: str, end: int | None = None) -> Iterator[Record]:
             place = record.end
 
 
+def begins_journal(path: str) -> bool:
+    """True if a file is empty, or begins as a journal does."""
+    with open(path, "rb") as file:
+        mark = file.read(len(_MARK))
+    return _MARK.startswith(mark)
+
+
 def record_at(path: str, place: int) -> Record:
     """The record that begins there; `ValueError` if none does."""
     with open(path, "rb", buffering=0) as file:

@@ -16,6 +16,7 @@ import numpy as np
 
 from .errors import CacheError
 from .journal import Record, read_journal
+from .kept_folder import JOURNAL
 from .kept_reports import KeptReports
 from .recorder import Known, Path, Poses, SeenBody, assemble, rows_of_bodies
 from .recording import Float64, Recording, without_sign_flips
@@ -119,7 +120,7 @@ class KeptFrames:
 
 def journal_of(path: str) -> str:
     """The file of a folder's records."""
-    return os.path.join(path, "frames")
+    return os.path.join(path, JOURNAL)
 
 
 def steps_kept(path: str) -> int:

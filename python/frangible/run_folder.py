@@ -8,13 +8,13 @@ file            content
                 shows for the first time, and the ``frame``
 ``checkpoint``  a record, ``checkpoint``: a world (`World.snapshot`), and the length of ``frames``
                 then; another one takes its place whole
+``lock``        empty; the process that writes the folder has it locked (`kept_folder`)
 =============== ====================================================================================
 """
 
 from __future__ import annotations
 
 import os
-import shutil
 import time
 from collections.abc import Mapping
 from contextlib import suppress
@@ -24,6 +24,7 @@ import numpy as np
 
 from .errors import CacheError
 from .journal import Array, Journal, read_journal, record_bytes
+from .kept_folder import CHECKPOINT, NEW_CHECKPOINT, KeptFolder
 from .kept_frames import KeptFrames, journal_of, known_frames
 from .recorder import Known, Poses, SeenBody
 from .recording import Float64
@@ -43,9 +44,10 @@ _SHARE = 0.05
 class RunFolder(KeptFrames):
     """Frames that are kept on a disk: a `Store`. Memory does not grow with their number."""
 
-    def __init__(self, path: str, journal: Journal, known: Known) -> None:
-        super().__init__(path, journal.length)
+    def __init__(self, folder: KeptFolder, journal: Journal, known: Known) -> None:
+        super().__init__(folder.path, journal.length)
         self.known = known
+        self._folder = folder
         self._journal = journal
         # Of the last checkpoint: how long it took [s], and when it was there.
         self._checkpoint_took, self._checkpoint_at = 0.0, time.perf_counter()
@@ -55,12 +57,16 @@ class RunFolder(KeptFrames):
 
     @staticmethod
     def create(path: str, identity: str, fields: Mapping[str, Any]) -> RunFolder:
-        """A new folder for a run of this identity, in the place of an old one."""
-        with suppress(FileNotFoundError):
-            shutil.rmtree(path)
-        os.makedirs(path)
-        folder = RunFolder(path, Journal(journal_of(path)), Known())
-        folder._append("run", {**fields, "identity": identity}, {})
+        """A new folder for a run of this identity, in the place of an old one. `CacheError` if
+        something else is there, or another process writes it."""
+        kept = KeptFolder(path, is_new=True)
+        kept.clear()
+        try:
+            folder = RunFolder(kept, Journal(journal_of(path)), Known())
+            folder._append("run", {**fields, "identity": identity}, {})
+        except OSError:
+            kept.remove()
+            raise
         return folder
 
     def add_body(self, body: SeenBody) -> None:
@@ -105,8 +111,8 @@ class RunFolder(KeptFrames):
         """Write a checkpoint of the world after the last frame."""
         begin = time.perf_counter()
         self._journal.sync()
-        path = os.path.join(self.path, "checkpoint")
-        new = path + ".new"
+        path = os.path.join(self.path, CHECKPOINT)
+        new = os.path.join(self.path, NEW_CHECKPOINT)
         fields = {"length": self._journal.length, "frame": self.known.steps}
         arrays = {"world": np.frombuffer(world.snapshot(), np.uint8)}
         try:
@@ -129,21 +135,34 @@ class RunFolder(KeptFrames):
     def close(self) -> None:
         """Nothing more is added."""
         self._journal.close()
+        self._folder.let_go()
 
     def remove(self) -> None:
         """The run is in its outputs: the folder is not needed any more."""
-        self.close()
-        shutil.rmtree(self.path, ignore_errors=True)
+        self._journal.close()
+        self._folder.remove()
 
 
 def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
     """A folder to go on with, and the snapshot of its world; `None` if it has no checkpoint yet.
 
-    `CacheError` if it is of another run, or damaged.
+    `CacheError` if it is of another run, or damaged, or another process writes it.
     """
-    journal = journal_of(path)
     if not os.path.isdir(path):
         return None
+    folder = KeptFolder(path, is_new=False)
+    try:
+        found = _resumed(folder, identity)
+    except BaseException:
+        folder.let_go()
+        raise
+    if found is None:
+        folder.let_go()
+    return found
+
+
+def _resumed(folder: KeptFolder, identity: str) -> tuple[RunFolder, bytes] | None:
+    path, journal = folder.path, journal_of(folder.path)
     first = next(read_journal(journal), None) if os.path.isfile(journal) else None
     if first is None:
         return None
@@ -151,7 +170,7 @@ def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
         raise CacheError(
             f"{path}: keeps a run of another scene, must be of this one, with the same options"
         )
-    checkpoint = os.path.join(path, "checkpoint")
+    checkpoint = os.path.join(path, CHECKPOINT)
     if not os.path.exists(checkpoint):
         return None
     kept = next(read_journal(checkpoint), None)
@@ -161,4 +180,4 @@ def resume_folder(path: str, identity: str) -> tuple[RunFolder, bytes] | None:
     known = known_frames(journal, length)
     if known.steps != kept.fields["frame"]:
         raise CacheError(f"{journal}: is damaged before frame {kept.fields['frame']}")
-    return RunFolder(path, Journal(journal, length), known), kept.arrays["world"].tobytes()
+    return RunFolder(folder, Journal(journal, length), known), kept.arrays["world"].tobytes()

@@ -8,7 +8,10 @@ import os
 from typing import Any
 
 from ._frangible import BuildError
-from .words import did_you_mean, shown
+from .words import did_you_mean, shortened, shown
+
+#: The most parts of a field's path; those of a scene have eight.
+MOST_STEPS = 64
 
 
 def set_field(scene: dict[str, Any], assignment: str) -> None:
@@ -19,13 +22,20 @@ def set_field(scene: dict[str, Any], assignment: str) -> None:
     the path that does not fit.
     """
     path, equals, text = assignment.partition("=")
-    if not equals or not path.strip(". "):
-        raise BuildError(f"--set {assignment}: must be PATH=VALUE, as in bodies.wall.friction=0.3")
+    path = path.strip()
+    at = f"--set {shortened(path, 80)}"
+    if not equals or not path.strip("."):
+        said = f"--set {shortened(assignment, 80)}"
+        raise BuildError(f"{said}: must be PATH=VALUE, as in bodies.wall.friction=0.3")
+    if path.count(".") + path.count("[") >= MOST_STEPS:
+        raise BuildError(f"{at}: must have at most {MOST_STEPS} parts")
     try:
         value = json.loads(text)
     except (json.JSONDecodeError, RecursionError):
         value = text
-    _assign(scene, path.strip(), "", value, f"--set {path.strip()}")
+    except ValueError:
+        raise BuildError(f"{at}: {shortened(text)}, must have at most 4300 digits") from None
+    _assign(scene, path, "", value, at)
 
 
 def _assign(place: Any, rest: str, here: str, value: Any, at: str) -> None:
@@ -64,12 +74,13 @@ def _rows(place: list[Any], rest: str, here: str, at: str) -> tuple[list[int], s
             ]
             return rows, rest[len(name) + 1 :]
     step, _, after = rest.partition(".")
-    if step.isdecimal() and int(step) < len(place):
+    if step.isdecimal() and len(step) < 20 and int(step) < len(place):
         return [int(step)], after
     rule = f"a number below {len(place)}" + (
         f", or a name: {', '.join(sorted(names))}" if names else ""
     )
-    raise BuildError(f"{at}: {here} has no {step!r}{did_you_mean(step, names)}, must be {rule}")
+    said = repr(shortened(step, 80))
+    raise BuildError(f"{at}: {here} has no {said}{did_you_mean(step[:80], names)}, must be {rule}")
 
 
 def with_relative_paths(scene: dict[str, Any], file: str) -> dict[str, Any]:

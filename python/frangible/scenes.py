@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import os
+import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
@@ -28,13 +29,13 @@ from .io.mesh_files import (
 )
 from .io.reading import file_fault
 from .mesh_scene import UNITS, Wishes, mesh_scene
-from .scene_fields import set_field
+from .scene_fields import MOST_STEPS, set_field
 from .scene_lines import FileScene, with_line
 from .scene_looks import without_own_looks
 from .scene_materials import has_materials, scene_materials_text, with_materials
 from .scene_python import python_scene
 from .scene_rate import set_rate
-from .words import did_you_mean, shown
+from .words import did_you_mean, shortened, shown
 
 #: A scene as `docs/scene_format.md` describes it.
 Scene = dict[str, Any]
@@ -49,6 +50,13 @@ SECONDS = 3.0
 
 #: A larger file is no scene [bytes].
 LARGEST = 1 << 28
+
+#: What Python does not read, as it takes a time that grows with the square of the digits.
+_LONG_NUMBER = "holds a whole number of more than 4300 digits"
+#: A dotted key of TOML with more than `MOST_STEPS` parts: its reader takes a time and a memory that
+#: grow with their square.
+_KEY = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_DEEP_KEY = re.compile(rf"(?<![\w.\-\"']){_KEY}(?:[ \t]*+\.[ \t]*+{_KEY}){{{MOST_STEPS},}}+")
 
 
 def is_scene_file(name: str) -> bool:
@@ -164,15 +172,23 @@ def parse_json(name: str, text: str) -> Any:
         raise BuildError(f"{name}: {where}: {error.msg}, must be JSON") from None
     except RecursionError:
         raise BuildError(f"{name}: is nested too deeply, must be a scene in JSON") from None
+    except ValueError:
+        raise BuildError(f"{name}: {_LONG_NUMBER}, must be a scene in JSON") from None
 
 
 def _parse_toml(name: str, text: str) -> Any:
+    if found := _DEEP_KEY.search(text):
+        line = text.count("\n", 0, found.start()) + 1
+        rule = f"must have at most {MOST_STEPS} parts"
+        raise BuildError(f"{name}: line {line}: the key {shortened(found[0])}, {rule}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise BuildError(f"{name}: {error}, must be TOML") from None
     except RecursionError:
         raise BuildError(f"{name}: is nested too deeply, must be a scene in TOML") from None
+    except ValueError:
+        raise BuildError(f"{name}: {_LONG_NUMBER}, must be a scene in TOML") from None
 
 
 def _path_holders(scene: Scene) -> Iterator[dict[str, Any]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import signal
 import sys
 import warnings
@@ -35,6 +34,7 @@ from .render import add_film, add_render
 from .results import add_json, error_as_json, wants_json
 from .run import add_run
 from .scene import add_scene, add_schema
+from .terminal import flushed, say
 from .verify import add_verify
 from .view import add_view_command
 
@@ -106,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _failed(sentence, EXIT_BAD_INPUT, options.json)
     except BrokenPipeError:
         # The reader of our output has seen enough; the interpreter must not try to flush the rest.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        flushed()
         return EXIT_PIPE_CLOSED
     except OSError as error:
         # The disk is full, or the folder went away during the run.
@@ -126,17 +126,19 @@ def _read(whole: argparse.ArgumentParser, arguments: Sequence[str] | None) -> ar
 
 
 def _failed(sentence: str, status: int, as_json: bool) -> int:
-    """The sentence on stderr, and as JSON on stdout if somebody asked for it."""
-    print(sentence, file=sys.stderr)
-    if as_json:
-        with suppress(BrokenPipeError):
+    """The sentence on stderr, and as JSON on stdout if somebody asked for it, and stdout takes
+    it."""
+    say(sentence)
+    if flushed() and as_json:
+        with suppress(OSError):
             error_as_json(sentence, status)
+        flushed()
     return status
 
 
 def _tell_note(message: Warning | str, *_: object, **__: object) -> None:
     """A line about what was left out of a file."""
-    print(f"frangible: {message}", file=sys.stderr)
+    say(f"frangible: {message}")
 
 
 def parser() -> argparse.ArgumentParser:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import sys
 import time
 from typing import Any
 
@@ -34,6 +33,7 @@ from .options import (
     natural,
     positive,
 )
+from .terminal import say, show
 
 
 def add_break(commands: Any) -> None:
@@ -178,5 +178,8 @@ def _break(options: argparse.Namespace) -> None:
     summary = pieces.summary(time.perf_counter() - begin)
     output.write(pieces)
     if not options.quiet:
-        print(f"wrote {output.path} and {output.report}", file=sys.stderr)
-    print(json.dumps(summary) if options.json else describe_pieces(summary))
+        say(f"wrote {output.path} and {output.report}")
+    if options.json:
+        print(json.dumps(summary))
+    else:
+        show(describe_pieces(summary))

@@ -13,6 +13,7 @@ from ..recording import Recording
 from .options import add_pose_time, readable
 from .outputs import write
 from .shot_groups import grouped
+from .terminal import show
 
 
 def add_plot(commands: Any) -> None:
@@ -80,4 +81,4 @@ def _info(options: argparse.Namespace) -> None:
         print(json.dumps(facts))
         return
     for key, value in facts.items():
-        print(f"{key:15} {readable(value)}")
+        show(f"{key:15} {readable(value)}")

@@ -5,8 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import shutil
-import sys
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
@@ -17,6 +15,7 @@ from .._frangible import World
 from ..bench.run_process import moving_mass
 from ..bench.summary import RunFigures
 from ..errors import CacheError
+from ..kept_folder import check_kept_folder
 from ..kept_frames import steps_kept
 from ..laid import Laid
 from ..recorder import Recorder
@@ -24,6 +23,7 @@ from ..recording import Float64, Recording
 from ..report import StepReport
 from ..run_folder import ENDING, RunFolder, resume_folder
 from .options import EXIT_FAILED
+from .terminal import say
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,8 @@ class KeptRun:
     written."""
 
     def __init__(self, outputs: Sequence[str], described: Sequence[Any]) -> None:
-        """``described`` is all that decides what is simulated, and how it looks."""
+        """``described`` is all that decides what is simulated, and how it looks. `CacheError` if
+        something else is where the run would be kept, or another process runs there."""
         text = json.dumps(described, sort_keys=True, default=str)
         self._identity = hashlib.sha256(text.encode()).hexdigest()
         # Beside a file or a folder: who may write a pipe may not write beside it.
@@ -58,6 +59,7 @@ class KeptRun:
         ]
         elsewhere = os.path.join(tempfile.gettempdir(), f"frangible-{self._identity[:16]}")
         self.path = (beside[0].rstrip("/") if beside else elsewhere) + ENDING
+        check_kept_folder(self.path)
         self._folder: RunFolder | None = None
         self._recorder: Recorder | None = None
         self._named = ("", 0.0)
@@ -67,7 +69,7 @@ class KeptRun:
         is kept is of another run, or of more frames than are asked for."""
         found = resume_folder(self.path, self._identity)
         if found is None:
-            print(f"frangible: {self.path}: keeps no run to go on with", file=sys.stderr)
+            say(f"frangible: {self.path}: keeps no run to go on with")
             return None
         self._folder, snapshot = found
         if self._folder.known.steps > frames:
@@ -91,7 +93,7 @@ class KeptRun:
         if self._folder is None:
             if frames := steps_kept(self.path):
                 said = f"replaces {frames} frames of a run that was stopped"
-                print(f"frangible: {self.path}: {said}", file=sys.stderr, flush=True)
+                say(f"frangible: {self.path}: {said}")
             shot, rate = named
             fields = {"shot": shot, "fps": rate, "method": world.method, "start": asdict(start)}
             self._folder = RunFolder.create(self.path, self._identity, fields)
@@ -136,10 +138,11 @@ class KeptRun:
         """Say in one sentence that the disk takes no more; the exit status."""
         frames = 0 if self._folder is None else self._folder.known.steps
         if self._folder is not None:
-            self._folder.close()
-        if frames == 0:
-            shutil.rmtree(self.path, ignore_errors=True)
+            if frames:
+                self._folder.close()
+            else:
+                self._folder.remove()
         kept = f"; it keeps {frames} frames, and --resume goes on" if frames else ""
         said = f"{self.path}: {error.strerror or error}{kept}"
-        print(f"frangible: {said}", file=sys.stderr, flush=True)
+        say(f"frangible: {said}")
         return EXIT_FAILED

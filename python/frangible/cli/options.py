@@ -15,7 +15,7 @@ from ..breaking.piece_count import LEAST_PIECES, MOST_PIECES
 from ..io.drawing import FILM_SIZE, PICTURE_SIZE, RENDERERS, View
 from ..render.shutter import Shutter
 from ..scenes import Scene, find_scene
-from ..words import did_you_mean
+from ..words import did_you_mean, shortened
 
 #: No more frames, cells and so on are asked for, as in scenes.
 MOST_COUNT = 2**32 - 1
@@ -211,9 +211,7 @@ def finite(text: str) -> float:
 
 def count(text: str) -> int:
     """A number of frames, pieces and so on."""
-    if not text.isdecimal() or not 0 < int(text) <= MOST_COUNT:
-        raise argparse.ArgumentTypeError(f"{text!r}, must be a whole number from 1 to {MOST_COUNT}")
-    return int(text)
+    return natural(MOST_COUNT, 1)(text)
 
 
 def positive(text: str) -> float:
@@ -229,10 +227,12 @@ def positive(text: str) -> float:
 
 def natural(largest: int, least: int = 0) -> Callable[[str], int]:
     def parse(text: str) -> int:
-        if not text.isdecimal() or not least <= int(text) <= largest:
+        digits = text.lstrip("0") or text[-1:]
+        is_number = text.isdecimal() and len(digits) <= len(str(largest))
+        if not is_number or not least <= int(digits) <= largest:
             rule = f"a whole number from {least} to {largest}"
-            raise argparse.ArgumentTypeError(f"{text!r}, must be {rule}")
-        return int(text)
+            raise argparse.ArgumentTypeError(f"{shortened(text)!r}, must be {rule}")
+        return int(digits)
 
     return parse
 
@@ -254,8 +254,8 @@ def readable(value: object) -> str:
 def size(text: str) -> tuple[int, int]:
     """Width and height of a picture or a film [pixels]."""
     parts = text.lower().split("x")
-    if len(parts) != 2 or not all(part.isdecimal() for part in parts):
-        raise argparse.ArgumentTypeError(f"{text!r}, must be WIDTHxHEIGHT, like 1280x720")
+    if len(parts) != 2 or not all(part.isdecimal() and len(part) < 9 for part in parts):
+        raise argparse.ArgumentTypeError(f"{shortened(text)!r}, must be WIDTHxHEIGHT, like 1280x720")
     width, height = int(parts[0]), int(parts[1])
     if not (16 <= width <= 8192 and 16 <= height <= 8192) or width % 2 or height % 2:
         raise argparse.ArgumentTypeError(f"{text!r}, must be even numbers from 16 to 8192")

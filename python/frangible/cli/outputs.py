@@ -15,8 +15,10 @@ from ..io.output import Output, open_output
 from ..recording import Recording
 from ..render.camera import check_camera
 from ..render.shutter import Shutter
+from ..words import for_terminal
 from .options import EXIT_FAILED
 from .results import print_json
+from .terminal import say
 
 
 def open_outputs(options: argparse.Namespace) -> list[Output]:
@@ -57,7 +59,7 @@ def _progress(path: str) -> Callable[[int, int], None]:
             return
         since, first = begin[0]
         left = (now - since) / max(done - first, 1) * (whole - done)
-        said = f"drawing {path}: {100 * done // whole} %"
+        said = f"drawing {for_terminal(path)}: {100 * done // whole} %"
         said += f", {left:.0f} s left" if done > first else ""
         if is_terminal:
             # The rest of a longer line before is wiped away.
@@ -96,12 +98,12 @@ def write(
         except (OSError, ValueError, RuntimeError, MemoryError) as error:
             said = getattr(error, "strerror", None) or str(error) or type(error).__name__
             sentence = said if said.startswith(output.path) else f"{output.path}: {said}"
-            print(f"frangible: {sentence}", file=sys.stderr, flush=True)
+            say(f"frangible: {sentence}")
             done.append(Written(output.path, sentence))
             continue
         done.append(Written(output.path))
         if not quiet:
-            print(f"wrote {output.path}{_size(output.path)}", file=sys.stderr)
+            say(f"wrote {output.path}{_size(output.path)}")
     status = EXIT_FAILED if any(one.error for one in done) else 0
     if as_json:
         print_json({"outputs": [one.as_json() for one in done], "status": status})

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import sys
 from typing import Any
 
 from .. import _frangible
@@ -13,6 +12,7 @@ from ..breaking.piece_count import MOST_PIECES
 from ..errors import OutputError
 from ..io.mesh_files import readable_mesh
 from .options import check_pieces, count, natural, readable
+from .terminal import say, show
 
 
 def add_pattern(commands: Any) -> None:
@@ -73,12 +73,12 @@ def _pattern(options: argparse.Namespace) -> None:
     if options.pieces is not None:
         pattern, count = pattern.with_pieces(options.pieces)
         if sentence := difference(count, options.pieces):
-            print(sentence, file=sys.stderr)
+            say(sentence)
     facts = describe_pattern(pattern)
     if options.json:
         print(json.dumps(facts))
     else:
-        print("\n".join(f"{key:15} {readable(value)}" for key, value in facts.items()))
+        show("\n".join(f"{key:15} {readable(value)}" for key, value in facts.items()))
     for path in paths:
         write_pattern(pattern, path)
-        print(f"wrote {path}, {os.path.getsize(path) / 2**20:.3g} MiB", file=sys.stderr)
+        say(f"wrote {path}, {os.path.getsize(path) / 2**20:.3g} MiB")

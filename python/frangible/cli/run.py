@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -31,6 +30,7 @@ from .options import (
     natural,
 )
 from .outputs import check_view, open_outputs, write
+from .terminal import say, show
 from .wishes import add_wishes, wished
 
 
@@ -97,7 +97,10 @@ def _run(options: argparse.Namespace) -> int:
             if kept is not None:
                 kept.capture(report, step_ms, depths)
 
-        with report_progress(frames, options.quiet) as progress, stop_when_asked() as stop:
+        with (
+            report_progress(frames, options.quiet) as progress,
+            stop_when_asked(world.stop_step) as stop,
+        ):
             step_frames(
                 world, frames, on_step=keep, progress=progress, stop=stop, done=world.frame
             )
@@ -107,7 +110,7 @@ def _run(options: argparse.Namespace) -> int:
         return kept.give_up(error)
     if stop.signal is not None:
         said = f"stopped after {figures.frames} of {frames} frames"
-        print(f"frangible: {said}; outputs are of those", file=sys.stderr, flush=True)
+        say(f"frangible: {said}; outputs are of those")
 
     # Write the files, then the figures.
     status = 0
@@ -129,7 +132,10 @@ def _run(options: argparse.Namespace) -> int:
         energy=start.energy,
     )
     seconds = 1e-3 * sum(figures.step_ms)
-    print(json.dumps(summary) if options.json else describe(summary, seconds))
+    if options.json:
+        print(json.dumps(summary))
+    else:
+        show(describe(summary, seconds))
     return status if stop.signal is None else 128 + stop.signal
 
 
@@ -164,5 +170,5 @@ def _build_world(
         skins = scene_skins(scene, readable, options.inside) if options.out else {}
         notes = volume_notes(readable, world.masses) if resumed is None else []
     for note in notes:
-        print(f"frangible: {note}", file=sys.stderr, flush=True)
+        say(f"frangible: {note}")
     return world, skins
