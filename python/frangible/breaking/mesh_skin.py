@@ -139,6 +139,8 @@ class MeshSkin:
     ) -> tuple[Skin, Float32]:
         """The skin and the texture coordinates of a surface, in the mesh's own frame, given what
         lies below it."""
+        if not len(triangles):
+            return self._without_surface(), coordinates
         outer = np.flatnonzero(~inner)
         corners = vertices[triangles[outer]]
         faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -187,6 +189,18 @@ class MeshSkin:
             material[inner] = len(self.materials)
         path = self._path(below, np.linalg.norm(faces, axis=1))
         return Skin(materials, material, colours, normals, path), placed
+
+    def _without_surface(self) -> Skin:
+        """Of a half-space: the one material that a patch of it is drawn with."""
+        materials: tuple[Material, ...] = ()
+        number = int(self.material[0]) if len(self.material) else NO_MATERIAL
+        if number != NO_MATERIAL:
+            one = self.materials[number]
+            if one.corner_colours and np.isfinite(self.colours).any():
+                red, green, blue, _ = np.nanmean(self.colours.reshape(-1, 4), axis=0).tolist()
+                one = replace(one, colour=(red, green, blue), name="", corner_colours=False)
+            materials = (one,)
+        return Skin(materials, np.zeros(0, np.int32))
 
     def _path(self, below: Int64, areas: Float64) -> tuple[str, ...]:
         """The deepest node that most of a surface is of."""

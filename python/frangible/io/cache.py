@@ -135,8 +135,6 @@ def read_npz(path: str) -> Recording:
         raise CacheError(f"{path}: is not a .npz file{hint}")
     with one_sentence(path, ".npz cache", CacheError):
         arrays = read_arrays(path)
-        if "format" not in arrays:
-            raise CacheError(f"{path}: has no key 'format', so it is not a Frangible cache")
         check_arrays(arrays)
         return _recording(arrays)
 

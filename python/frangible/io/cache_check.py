@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..materials import LOOKS
+from ..words import shortened
 from .reading import MOST_BYTES
 
 Array = npt.NDArray[Any]
@@ -153,6 +154,12 @@ _VOLUMES: dict[str, _Rule] = {
         "from 0 to 2e+18, or NaN",
     ),
 }
+#: The rule of each array that is read.
+_ALL = {**_TABLE, **_SKINS, **_BEFORE, **_VOLUMES, "convention": _text((), "text", _any)}
+
+#: Bytes that are unpacked at a time.
+_CHUNK = 2**20
+
 #: The rows that each array of offsets shares out among the bodies, or among images.
 _SHARED = {
     "vertex_offsets": "v",
@@ -165,24 +172,49 @@ _SHARED = {
 
 
 def read_arrays(path: str) -> Arrays:
-    """All arrays of a file; `ValueError` for what has objects, or more bytes than it says or than
-    2 GiB."""
-    arrays: Arrays = {}
+    """All arrays of a file; `ValueError` for what is not of the table, has objects, or more bytes
+    than it says or than 2 GiB. Their names are looked at before any of them is unpacked."""
     with zipfile.ZipFile(path) as archive:
-        members = archive.infolist()
-        size = sum(member.file_size for member in members)
+        members: dict[str, zipfile.ZipInfo] = {}
+        for member in archive.infolist():
+            key, ending = os.path.splitext(member.filename)
+            if ending != ".npy" or key in members:
+                raise ValueError(f"it holds {shortened(member.filename)!r}")
+            members[key] = member
+        for key in _TABLE:
+            if key not in members:
+                what = ", so it is not a Frangible cache" if key == "format" else ""
+                raise ValueError(f"has no key {key!r}{what}")
+        size = sum(member.file_size for member in members.values())
         if size > MOST_BYTES:
             raise ValueError(f"it unpacks to {size} bytes, must be at most {MOST_BYTES}")
-        for member in members:
-            key, ending = os.path.splitext(member.filename)
-            if ending != ".npy" or key in arrays:
-                raise ValueError(f"it holds {member.filename!r}")
+        # What later tables add is not read.
+        known = {key: member for key, member in members.items() if key in _ALL}
+        heads = {}
+        for key, member in known.items():
             with archive.open(member) as file:
-                arrays[key] = _array(key, file, member.file_size)
+                heads[key] = _head(key, file, member.file_size)
+        rows = _body_rows(heads["ids"].shape)
+        for key, head in heads.items():
+            _check_shape(key, head.shape, head.dtype, _ALL[key], rows)
+        arrays: Arrays = {}
+        for key, member in known.items():
+            with archive.open(member) as file:
+                _head(key, file, member.file_size)
+                arrays[key] = _array(key, file, heads[key])
     return arrays
 
 
-def _array(key: str, file: Any, size: int) -> Array:
+@dataclass(frozen=True, slots=True)
+class _Head:
+    """What the file of an array says before its numbers."""
+
+    shape: tuple[int, ...]
+    is_fortran: bool
+    dtype: np.dtype[Any]
+
+
+def _head(key: str, file: Any, size: int) -> _Head:
     version = np.lib.format.read_magic(file)
     readers = np.lib.format.read_array_header_1_0, np.lib.format.read_array_header_2_0
     read = dict(zip([(1, 0), (2, 0)], readers, strict=True)).get(version)
@@ -194,8 +226,20 @@ def _array(key: str, file: Any, size: int) -> Array:
     is_plain = not dtype.hasobject and dtype.itemsize > 0 and min(shape, default=0) >= 0
     if not is_plain or length != size - file.tell():
         raise ValueError(f"{key} has not the {length} bytes of {shape} {dtype}")
-    data = np.frombuffer(bytearray(file.read(length)), dtype)
-    return data.reshape(shape, order="F" if is_fortran else "C")
+    return _Head(shape, is_fortran, dtype)
+
+
+def _array(key: str, file: Any, head: _Head) -> Array:
+    """What follows a head; it is held once."""
+    data = np.empty(head.shape, head.dtype, order="F" if head.is_fortran else "C")
+    bytes_of: Any = data.reshape(-1, order="A").view(np.uint8) if data.size else b""
+    view = memoryview(bytes_of)
+    while view:
+        count = file.readinto(view[:_CHUNK])
+        if not count:
+            raise ValueError(f"{key} is cut off")
+        view = view[count:]
+    return data
 
 
 def check_arrays(arrays: Arrays) -> None:
@@ -210,8 +254,7 @@ def check_arrays(arrays: Arrays) -> None:
     for key in table:
         if key not in arrays:
             raise ValueError(f"has no key {key!r}")
-    rows = {"b": len(arrays["ids"]) if arrays["ids"].ndim == 1 else 0}
-    rows["b + 1"] = rows["b"] + 1
+    rows = _body_rows(arrays["ids"].shape)
     for key, rule in table.items():
         _check_array(key, arrays[key], rule, rows)
     counts = {
@@ -240,18 +283,30 @@ def check_arrays(arrays: Arrays) -> None:
         _check_lengths("normals", normals[np.any(normals != 0.0, axis=1)], _NORMAL_ROUNDING)
 
 
-def _check_array(key: str, array: Array, rule: _Rule, rows: dict[str, int]) -> None:
-    fits = array.dtype.kind in rule.kind and array.ndim == len(rule.shape)
+def _body_rows(ids: tuple[int, ...]) -> dict[str, int]:
+    """How many rows arrays have by the letters of the table, as far as those of ids say it."""
+    count = ids[0] if len(ids) == 1 else 0
+    return {"b": count, "b + 1": count + 1}
+
+
+def _check_shape(
+    key: str, shape: tuple[int, ...], dtype: np.dtype[Any], rule: _Rule, rows: dict[str, int]
+) -> None:
+    fits = dtype.kind in rule.kind and len(shape) == len(rule.shape)
     # The first array with some rows says how many there are.
     fits = fits and all(
         size == (rows.setdefault(wanted, size) if isinstance(wanted, str) else wanted)
-        for size, wanted in zip(array.shape, rule.shape, strict=True)
+        for size, wanted in zip(shape, rule.shape, strict=True)
     )
     if not fits:
         sizes = (rows.get(size, size) if isinstance(size, str) else size for size in rule.shape)
         wanted = ", ".join(map(str, sizes))
         kind = {"iu": "whole numbers", "f": "numbers", "b": "true or false", "U": "text"}[rule.kind]
-        raise ValueError(f"{key}: {array.shape} of {array.dtype}, must be ({wanted}) of {kind}")
+        raise ValueError(f"{key}: {shape} of {dtype}, must be ({wanted}) of {kind}")
+
+
+def _check_array(key: str, array: Array, rule: _Rule, rows: dict[str, int]) -> None:
+    _check_shape(key, array.shape, array.dtype, rule, rows)
     if not np.all(good := rule.holds(array)):
         value = array[~good].ravel()[0] if array.ndim else array[()]
         shown = value if array.dtype.kind != "U" else f"{value[:40]!r}"
@@ -323,14 +378,17 @@ def check_family(arrays: Arrays, reports: list[Any]) -> None:
             raise ValueError(f"parents: {parent} of the body {id}, must be that of the reports")
         if parent >= 0:
             parent_of[id] = parent
-    # A recording may begin after a break: only its first bodies have parents before it.
-    begins_late = bool(reports) and reports[0]["frame"] > 1
+    # A recording may begin after a break, also one by hand of which the first report tells: only
+    # its first bodies have parents before it.
+    begins_late = not reports or reports[0]["frame"] > 1
+    broken = {fracture["body"] for report in reports[:1] for fracture in report["fractures"]}
     for id, source in zip(ids, arrays["sources"].tolist(), strict=True):
         line = [id]
         while (parent := parent_of.get(line[-1])) is not None and len(line) <= len(parent_of):
             line.append(parent)
         shown = [births[body] for body in line if body in births]
-        is_known = line[-1] in births or (begins_late and births[id] == 0)
+        is_first = births[id] == 0 and (begins_late or line[-1] in broken)
+        is_known = line[-1] in births or is_first
         ages = zip(shown, shown[1:], strict=False)
         if not is_known or any(younger <= older for younger, older in ages):
             raise ValueError(f"parents: {line[1]} of the body {id}, must be an older body, or -1")

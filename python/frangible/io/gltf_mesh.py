@@ -52,6 +52,8 @@ _OTHERS = {
 
 #: The most instances of nodes: some seconds.
 MOST_INSTANCES = 200_000
+#: Where an instance is that says nothing.
+_AT_REST = {"TRANSLATION": (0.0, 0.0, 0.0), "ROTATION": (0.0, 0.0, 0.0, 1.0), "SCALE": (1.0,) * 3}
 _POSITION, _INDEX = "POSITION", "SCALAR"
 
 
@@ -204,19 +206,18 @@ class _Plain:
                 "many"
             )
         first = count + len(extra)
-        for row in range(length):
-            where = placed(
-                columns["TRANSLATION"][row] if "TRANSLATION" in columns else (0, 0, 0),
-                columns["ROTATION"][row] if "ROTATION" in columns else (0, 0, 0, 1),
-                columns["SCALE"][row] if "SCALE" in columns else (1, 1, 1),
+        where = placed(
+            *(
+                columns[name][:length] if name in columns else np.tile(otherwise, (length, 1))
+                for name, otherwise in _AT_REST.items()
             )
-            extra.append(
-                {
-                    "name": f"{node.get('name', 'instance')}_{row}",
-                    "mesh": mesh,
-                    "matrix": where.T.ravel().tolist(),
-                }
-            )
+        )
+        matrices = where.transpose(0, 2, 1).reshape(length, 16).tolist()
+        name = node.get("name", "instance")
+        extra += [
+            {"name": f"{name}_{row}", "mesh": mesh, "matrix": own}
+            for row, own in enumerate(matrices)
+        ]
         return made | {"children": [*made.get("children", []), *range(first, first + length)]}
 
     def _mesh(self, node: Json, world: Any, worlds: list[Any]) -> int:

@@ -90,9 +90,11 @@ def matrix(node: Json) -> Float64:
 
 
 def placed(translation: Any, rotation: Any, scale: Any) -> Float64:
-    """The matrix of a translation, a quaternion x, y, z, w and a scale."""
-    quaternion = np.array(rotation, np.float64)
-    x, y, z, w = quaternion / (np.linalg.norm(quaternion) or 1.0)
+    """The matrix (4, 4) of a translation, a quaternion x, y, z, w and a scale; of rows of them
+    matrices (n, 4, 4)."""
+    quaternion = np.asarray(rotation, np.float64)
+    lengths = np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    x, y, z, w = np.moveaxis(quaternion / np.where(lengths == 0.0, 1.0, lengths), -1, 0)
     turned = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -100,9 +102,11 @@ def placed(translation: Any, rotation: Any, scale: Any) -> Float64:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    made = np.eye(4)
-    made[:3, :3] = turned * np.array(scale, np.float64)
-    made[:3, 3] = translation
+    columns = np.moveaxis(turned, (0, 1), (-2, -1)) * np.asarray(scale, np.float64)[..., None, :]
+    made = np.zeros((*columns.shape[:-2], 4, 4))
+    made[..., :3, :3] = columns
+    made[..., :3, 3] = translation
+    made[..., 3, 3] = 1.0
     return made
 
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import hmac
 import secrets
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
 
 from .page import policy_of
 
@@ -67,6 +69,11 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
     owner: PageServer
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A page that is closed while it asks is no error."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
 
 class _Handler(BaseHTTPRequestHandler):
     server: _Server
@@ -76,8 +83,9 @@ class _Handler(BaseHTTPRequestHandler):
         owner = self.server.owner
         if self.headers.get("Host") != owner.host:
             return self._answer(HTTPStatus.FORBIDDEN, b"")
-        _, token, *rest = self.path.split("?", 1)[0].split("/")
-        if not hmac.compare_digest(token.encode(), owner.token.encode()):
+        before, _, path = self.path.split("?", 1)[0].partition("/")
+        token, *rest = path.split("/")
+        if before or not hmac.compare_digest(token.encode(), owner.token.encode()):
             return self._answer(HTTPStatus.NOT_FOUND, b"")
         if rest == [""]:
             headers = {
@@ -96,13 +104,10 @@ class _Handler(BaseHTTPRequestHandler):
     def _stream(self, blobs: Iterator[bytes]) -> None:
         """Each blob after its length; the end of the connection ends them."""
         self._begin(HTTPStatus.OK, {"Content-Type": "application/octet-stream"})
-        try:
-            for blob in blobs:
-                if blob:
-                    self.wfile.write(len(blob).to_bytes(4, "little") + blob)
-                self.wfile.flush()
-        except (BrokenPipeError, ConnectionResetError):
-            pass
+        for blob in blobs:
+            if blob:
+                self.wfile.write(len(blob).to_bytes(4, "little") + blob)
+            self.wfile.flush()
 
     def _begin(self, status: int, headers: dict[str, str]) -> None:
         self.send_response_only(status)

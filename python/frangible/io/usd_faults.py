@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 
+from ..words import shortened
+
 #: How USD says it: in the sentence of its parser, or of that of earlier versions.
 _PLACES = (
     re.compile(
@@ -24,9 +26,9 @@ def syntax_fault(reason: BaseException) -> str | None:
     if found is None:
         return None
     file, number, what = found["file"], int(found["line"]), found["what"].strip().rstrip(".")
+    what = shortened(what, WIDTH)
     sentence = f"{file}, line {number}: {what}, must be USD text"
     with suppress(OSError, IndexError), open(file, encoding="utf-8", errors="replace") as text:
         line = text.read().splitlines()[number - 1].strip()
-        cut = f"{line[:WIDTH]} ..." if len(line) > WIDTH else line
-        return f"{sentence}\n  {number} | {cut}"
+        return f"{sentence}\n  {number} | {shortened(line, WIDTH)}"
     return sentence

@@ -14,6 +14,7 @@ from pxr import Tf, Usd, UsdUtils
 
 from .._frangible import BuildError
 from ..errors import one_sentence
+from .usd_bounds import MOST_PRIMS, has_too_many_prims
 from .usd_faults import syntax_fault
 
 #: The key of a layer's custom data that says that we wrote it, and as what.
@@ -37,6 +38,11 @@ def open_stage(path: str, error: type[ValueError] = BuildError) -> Iterator[Any]
 
 def _opened(path: str, error: type[ValueError]) -> Any:
     try:
+        if has_too_many_prims(path):
+            raise error(
+                f"{path}: has more than {MOST_PRIMS} prims, each instance counted, must have at "
+                "most so many"
+            )
         return Usd.Stage.Open(path)
     except Tf.ErrorException as reason:
         if (fault := syntax_fault(reason)) is None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..recording import Body, Float64, Recording, rotation_matrix
+from ..skin import NO_MATERIAL, Skin
 
 #: Edge of the square that files show, over the size of what moves at first.
 REACH = 6.0
@@ -57,8 +58,14 @@ def _patched(body: Body, below: Float64, size: float) -> Body:
         patch(body, below, size).astype(np.float32),
         np.array([[0, 1, 2], [0, 2, 3]], np.uint32),
     )
+    skin = body.skin
+    if skin is not None:
+        # A half-space has the one material that its patch shows.
+        number = 0 if len(skin.materials) == 1 else NO_MATERIAL
+        skin = Skin(skin.materials, np.full(2, number, np.int32), path=skin.path)
     return replace(
         body,
+        skin=skin,
         vertices=corners,
         triangles=triangles,
         interior=np.zeros(2, np.bool_),
