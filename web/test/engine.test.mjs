@@ -265,6 +265,13 @@ test("footage shows each frame as the world told it, and forgets what is undone"
   assert.equal(footage.bodies.length, count);
 });
 
+test("a link that unpacks to much more than a story is refused before it is unpacked", async () => {
+  const text = await encode({ scene: " ".repeat(200 * 1024 * 1024), actions: [] });
+  const before = process.memoryUsage().arrayBuffers;
+  await assert.rejects(decode(text), /too long/);
+  assert.ok(process.memoryUsage().arrayBuffers - before < 64 * 1024 * 1024);
+});
+
 test("a damaged link is refused", async () => {
   const text = await encode(STORY);
   for (const bad of [text.slice(0, -9), "", "%%%", await encode({ scene: 3, actions: [] }), ...(await Promise.all([{ frame: -1, add: {} }, { frame: 1 }, { frame: 1, add: {}, letGo: 3 }, { frame: 1, jump: 3 }, { frame: 1, cut: { body: 1, point: [0, 1], normal: [0, 1, 0] } }].map((action) => encode({ scene: "{}", actions: [action] }))))])

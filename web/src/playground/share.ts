@@ -7,6 +7,9 @@ export const LONGEST = 60_000;
 /** A longer story is not opened: a link must not simulate for ever [frames]. */
 export const MOST_FRAMES = 36_000;
 
+/** A larger story is not unpacked: it is many times that of ten minutes [bytes of JSON]. */
+export const MOST_BYTES = 16 * 1024 * 1024;
+
 /** Deflated JSON in base64 with characters that links may have. */
 export async function encode(story: Story): Promise<string> {
   const bytes = new TextEncoder().encode(JSON.stringify(story));
@@ -22,7 +25,9 @@ export async function decode(text: string): Promise<Story> {
     part.charCodeAt(0),
   );
   const story: unknown = JSON.parse(
-    new TextDecoder().decode(await through(packed, new DecompressionStream("deflate-raw"))),
+    new TextDecoder().decode(
+      await through(packed, new DecompressionStream("deflate-raw"), MOST_BYTES),
+    ),
   );
   if (!isStory(story)) throw new Error("no story");
   return story;
@@ -65,11 +70,21 @@ function isDeed(value: unknown, name: string): boolean {
   );
 }
 
+/** Throws as soon as more than `most` bytes come out. */
 async function through(
   bytes: Uint8Array<ArrayBuffer>,
   stream: CompressionStream | DecompressionStream,
+  most = Infinity,
 ): Promise<Uint8Array> {
-  return new Uint8Array(
-    await new Response(new Response(bytes).body!.pipeThrough(stream)).arrayBuffer(),
-  );
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  let length = 0;
+  const counted = new WritableStream<Uint8Array<ArrayBuffer>>({
+    write(part) {
+      length += part.length;
+      if (length > most) throw new Error("a story that is too long");
+      parts.push(part);
+    },
+  });
+  await new Response(bytes).body!.pipeThrough(stream).pipeTo(counted);
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
