@@ -14,6 +14,10 @@ DEMO_FRAME := 14
 RUST_SOURCES := Cargo.toml Cargo.lock $(shell find crates -type f -not -path '*/tests/*')
 PYTHON_SOURCES := pyproject.toml $(wildcard README.md) $(shell find python/frangible -name '*.py' -o -name '*.pyi' -o -name py.typed -o -name '*.json' -o -name '*.usda' -o -name 'live_widget.js')
 
+# What `make build` installs, and the extras of pyproject.toml that are in it.
+LOCK := python/requirements.lock
+LOCKED := exact gltf usd film plot completion alembic notebook dev
+
 # What `--out FILE.html` writes a recording into.
 PLAYER := python/frangible/player.html
 PLAYER_SOURCES := $(filter-out web/package%,$(wildcard web/*.*)) $(shell find web/src web/npm/src -type f)
@@ -30,7 +34,7 @@ PLAYGROUND := web/dist/playground/playground.html
 NPM := web/npm/dist/three.js
 NPM_SOURCES := $(shell find web/npm/src -type f) web/npm/build.mjs web/npm/tsconfig.json web/npm/package.json
 
-.PHONY: help build web npm site publish-check demo verify claims soak resume oracle edited-worlds explore test test-rust test-python test-web test-wasm test-blender clean
+.PHONY: help build lock web npm site publish-check demo verify claims soak resume oracle edited-worlds explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -129,16 +133,21 @@ clean: ## Remove what the other targets made
 	rm -rf $(OUT) $(VENV) $(BLENDER) target tests/tools/node_modules web/node_modules web/dist web/engine web/npm/dist $(PLAYER)
 
 # The environment may be there already, without pip or without our tools.
-$(VENV)/.tools: pyproject.toml
+$(VENV)/.tools: $(LOCK)
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@$(BIN)/python -c 'import sys; sys.exit(sys.version_info < (3, 11) and \
 	  "$(VENV) has an older Python than 3.11: remove it and set PYTHON to a newer one")'
 	$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip
-	$(BIN)/python -c 'import tomllib; extras = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-	  print(*extras["dependencies"], *(line for extra in ("exact", "gltf", "usd", "film", "plot", "completion", "alembic", "notebook", "dev") \
-	  for line in extras["optional-dependencies"][extra]), sep="\n")' > $(VENV)/requirements.txt
-	$(BIN)/python -m pip install --quiet --requirement $(VENV)/requirements.txt
+	$(BIN)/python -m pip install --quiet --require-hashes --requirement $(LOCK)
 	touch $@
+
+lock: ## Lock the versions and hashes of Python packages anew
+	$(PYTHON) -m venv $(OUT)/lock
+	$(OUT)/lock/bin/python -m pip install --quiet uv==0.13.9
+	head -n 2 $(LOCK) > $(OUT)/lock/head
+	$(OUT)/lock/bin/uv pip compile --quiet --upgrade --universal --python-version 3.11 --generate-hashes \
+	  --no-header --no-annotate $(addprefix --extra ,$(LOCKED)) --output-file $(OUT)/lock/lock pyproject.toml
+	cat $(OUT)/lock/head $(OUT)/lock/lock > $(LOCK)
 
 # The tests use the wheel that a user gets, not the source tree. Where its panics come from is told without the folders of the
 # machine that built it.
