@@ -11,6 +11,10 @@ from support import ScriptedWorld
 # A shell's background jobs ignore interrupts, and so would the commands that tests start
 # and interrupt: a handler of ours is not handed on, and they get the system's.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+# What runs under `nohup` ignores the end of its terminal: the tests still do, what they start does
+# not.
+if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:
+    signal.signal(signal.SIGHUP, lambda number, frame: None)
 
 
 @pytest.fixture(scope="session")
