@@ -38,7 +38,7 @@ pub(super) const ROLLS: Claim = Claim {
 pub(super) const ONE_PIECE: Claim = Claim {
     name: "one-piece-is-no-break",
     says: "a blow above the strength that splits nothing leaves the motion of an unbreakable body, to the last bit",
-    source: "docs/adr/036",
+    source: "docs/adr/037",
     measure: one_piece,
 };
 
@@ -46,7 +46,7 @@ pub(super) const ONE_PIECE: Claim = Claim {
 pub(super) const THROUGH: Claim = Claim {
     name: "blows-pass-through",
     says: "a slab breaks under a block that lies on it and is struck",
-    source: "docs/adr/036",
+    source: "docs/adr/037",
     measure: through,
 };
 
