@@ -74,7 +74,7 @@ impl Check for Glued {
             let axes = inertia.to_cols_array_2d().map(DVec3::from_array);
             axes.into_iter().chain([*center]).try_for_each(finite_vector)?;
         }
-        for &Interface { a, b, area, centroid, normal } in &self.bonds {
+        for &Interface { a, b, area, centroid, normal, section: _ } in &self.bonds {
             require(a < b && b < count, "bonds between two pieces")?;
             require(area > 0.0 && area < 1e30, "bonds with an area")?;
             [centroid, normal].into_iter().try_for_each(finite_vector)?;

@@ -60,6 +60,8 @@ struct Fields {
     contact_cache: ContactCache,
     fits: BirthFits,
     spared: Vec<(BodyId, f64)>,
+    #[serde(skip)]
+    born_of_pieces: usize,
     note: String,
     hand: Hand,
     #[serde(skip)]

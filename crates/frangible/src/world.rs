@@ -45,7 +45,6 @@ pub struct World {
     /// Bodies temporarily unbreakable in the running frame, with their own strength [N s].
     pub(crate) spared: Vec<(BodyId, f64)>,
     /// Pieces of pieces that were born in the running frame.
-    #[serde(skip)]
     pub(crate) born_of_pieces: usize,
     /// A text of the caller's.
     pub(crate) note: String,

@@ -111,8 +111,8 @@ fn body(draw: &mut Draw, size: f64, at: [f64; 3], speed: f64) -> Value {
     let is_convex = shape["kind"] != "compound";
     let mut body = json!({
         "shape": shape, "position": at, "orientation": draw.rotation(),
-        "density": draw.scale(50.0, 2e4), "friction": [0.0, 0.5, 2.0][draw.one(3)],
-        "restitution": [0.0, 0.5, 1.0][draw.one(3)], "linear_velocity": draw.vector(speed),
+        "density": draw.scale(50.0, 2e4), "friction": ([0.0, 0.5, 2.0][draw.one(3)]),
+        "restitution": ([0.0, 0.5, 1.0][draw.one(3)]), "linear_velocity": draw.vector(speed),
         "angular_velocity": draw.vector(20.0),
     });
     if is_convex && draw.happens(0.4) {

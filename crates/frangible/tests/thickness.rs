@@ -31,14 +31,19 @@ fn hollow(wall: f64) -> ShapeDesc {
     ShapeDesc::Compound { parts, resolution: Resolution::default() }
 }
 
-/// One of its walls.
+/// One of its walls, by itself.
 fn pane(wall: f64) -> ShapeDesc {
     ShapeDesc::Box { size: [wall, 2.0 * HALF, 2.0 * HALF], resolution: Resolution::default() }
 }
 
 /// True if a steel ball breaks a body that it hits along x, off the middle.
-fn breaks(shape: ShapeDesc, (material, density): (MaterialName, f64), speed: f64) -> bool {
+fn breaks(
+    (shape, wall): (ShapeDesc, f64),
+    (material, density): (MaterialName, f64),
+    speed: f64,
+) -> bool {
     let pattern = PatternDesc::Voronoi(Voronoi { cells: 12, ..Voronoi::default() });
+    let front = if matches!(shape, ShapeDesc::Box { .. }) { 0.5 * wall } else { HALF };
     let target = BodyDesc {
         density,
         breaking: Some(BreakingDesc::once(StrengthDesc::Named(material), pattern)),
@@ -46,7 +51,7 @@ fn breaks(shape: ShapeDesc, (material, density): (MaterialName, f64), speed: f64
     };
     let radius = 0.05;
     let ball = BodyDesc {
-        position: [HALF + radius + 0.01 * speed, 0.07, 0.03],
+        position: [front + radius + 0.01 * speed, 0.07, 0.03],
         linear_velocity: [-speed, 0.0, 0.0],
         density: 7800.0,
         ..BodyDesc::new("ball", ShapeDesc::Sphere { radius, resolution: Resolution::default() })
@@ -59,7 +64,7 @@ fn breaks(shape: ShapeDesc, (material, density): (MaterialName, f64), speed: f64
 }
 
 /// The least speed at which a body breaks, to 5 % [m/s].
-fn breaking_speed(shape: &ShapeDesc, material: (MaterialName, f64)) -> f64 {
+fn breaking_speed(shape: &(ShapeDesc, f64), material: (MaterialName, f64)) -> f64 {
     let (mut holds, mut breaking) = (0.01, 2000.0);
     while breaking / holds > 1.05 {
         let speed = f64::sqrt(holds * breaking);
@@ -71,6 +76,7 @@ fn breaking_speed(shape: &ShapeDesc, material: (MaterialName, f64)) -> f64 {
 
 #[test]
 fn a_hollow_cube_breaks_as_a_pane_of_its_wall_does() {
+    let mut off = false;
     for (material, walls) in [
         ((MaterialName::Glass, 2500.0), [0.005, 0.02]),
         ((MaterialName::Brick, 1800.0), [0.01, 0.05]),
@@ -80,13 +86,14 @@ fn a_hollow_cube_breaks_as_a_pane_of_its_wall_does() {
     ] {
         for wall in walls {
             let [of_cube, of_pane] =
-                [hollow(wall), pane(wall)].map(|shape| breaking_speed(&shape, material));
+                [hollow(wall), pane(wall)].map(|shape| breaking_speed(&(shape, wall), material));
             let ratio = of_cube / of_pane;
             println!(
                 "{:?} {wall} m: {of_cube:.2} m/s, a pane {of_pane:.2}: {ratio:.2}",
                 material.0
             );
-            assert!((0.5..2.0).contains(&ratio), "{:?} {wall} m: {ratio}", material.0);
+            off |= !(0.5..2.0).contains(&ratio);
         }
     }
+    assert!(!off, "a ratio beside 0.5 to 2");
 }

@@ -133,6 +133,7 @@ fn bonds_break_where_they_are_weak() {
             shear_strength: 25e3,
             anchors: vec![AnchorDesc { low: [-0.1, 1.7, -0.1], high: [0.1, 1.9, 0.1] }],
             strength_points,
+            strength_triangles: Vec::new(),
         };
         let row = BodyDesc { bonds: Some(bonds), density: 1000.0, ..BodyDesc::new("row", shape) };
         scene.bodies = vec![row];

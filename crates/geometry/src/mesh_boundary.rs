@@ -5,6 +5,7 @@ use crate::bvh::{Bvh, closest_point_on_triangle};
 use crate::contour_mesh::Vertex;
 use crate::mesh::TriMesh;
 use crate::qef::Qef;
+use frangible_math::check::{Check, Checked, finite_vector};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +45,12 @@ struct BoundaryRecord {
 impl From<BoundaryRecord> for MeshBoundary {
     fn from(BoundaryRecord { triangles }: BoundaryRecord) -> Self {
         Self::new(triangles)
+    }
+}
+
+impl Check for MeshBoundary {
+    fn check(&self) -> Checked {
+        self.triangles.iter().flatten().try_for_each(|&corner| finite_vector(corner))
     }
 }
 

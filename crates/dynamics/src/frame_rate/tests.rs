@@ -62,6 +62,7 @@ fn run(bodies: &mut Bodies, frame: &Frame, frames: u32) -> Solved {
         short_of_substeps: 0,
         short_of_impacts: 0,
         confirmed: BTreeMap::new(),
+        impacts: Vec::new(),
     };
     for _ in 0..frames {
         let found = find_manifolds(bodies, &all_pairs(bodies), &warm, frame);

@@ -2,6 +2,7 @@
 
 use frangible_geometry::outer;
 use frangible_math::RigidTransform;
+use frangible_math::check::{Check, Checked, finite_vector};
 use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -17,6 +18,13 @@ pub struct CrossSection {
     /// Corners of its convex hull, from its centroid [m]. The largest stress of bending is at one
     /// of them.
     pub rim: Vec<DVec3>,
+}
+
+impl Check for CrossSection {
+    fn check(&self) -> Checked {
+        let axes = self.second_moment.to_cols_array_2d().map(DVec3::from_array);
+        axes.iter().chain(&self.rim).try_for_each(|&vector| finite_vector(vector))
+    }
 }
 
 /// A flat part of a contact.

@@ -4,7 +4,9 @@ use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{PatternDesc, PatternFile};
 use crate::scene::fineness::{Fineness, Found};
 use crate::scene::patterns::build_pattern;
-use frangible_fracture::{Filling, Fragment, Impact, Pattern, ShatterSettings, shatter};
+use frangible_fracture::{
+    Filling, Fragment, Impact, MOST_CELLS, Pattern, ShatterSettings, shatter,
+};
 use frangible_geometry::Shape;
 use frangible_math::check::{Check, Checked};
 use serde::{Deserialize, Serialize};

@@ -67,14 +67,8 @@ pub(crate) fn break_bodies(
         let Some(parent) = world.bodies.index_of(blow.body).filter(|&parent| !gone[parent]) else {
             continue;
         };
-        let is_piece = world.labels[parent].parent.is_some();
-        if is_piece && world.born_of_pieces >= MOST_BORN_OF_PIECES {
-            world.spare(parent);
-            continue;
-        }
         if let Some(broken) = crack(world, blow, parent, accounts) {
             gone[parent] = true;
-            world.born_of_pieces += if is_piece { broken.fragments.len() } else { 0 };
             breaks.push(broken);
         }
     }
@@ -102,22 +96,22 @@ pub(crate) fn break_by_strikes(
     frame: &Frame,
 ) -> Vec<Fracture> {
     book(world, accounts, frame, |world, accounts| {
-        let mut knows_until = vec![f64::INFINITY; world.bodies.len()];
+        let mut is_known_until = vec![f64::INFINITY; world.bodies.len()];
+        let mut gone = vec![false; world.bodies.len()];
         let mut breaks: Vec<Break> = Vec::new();
         for strike in strikes {
             let both = strike.pair.both();
-            if both.into_iter().any(|i| strike.time > knows_until[i])
-                || breaks.iter().any(|broken| both.contains(&broken.parent))
-            {
+            if both.into_iter().any(|i| gone[i] || strike.time > is_known_until[i]) {
                 continue;
             }
             let broken = crack_by_strike(world, strike, accounts, frame);
             let inverse_mass = both.map(|i| world.bodies.inertias[i].inverse_mass);
             for (side, i) in both.into_iter().enumerate() {
                 if !broken.is_empty() && inverse_mass[side] >= inverse_mass[1 - side] {
-                    knows_until[i] = knows_until[i].min(strike.time);
+                    is_known_until[i] = is_known_until[i].min(strike.time);
                 }
             }
+            broken.iter().for_each(|broken| gone[broken.parent] = true);
             breaks.extend(broken);
         }
         replace(world, breaks)
@@ -229,6 +223,11 @@ fn crack(
     accounts: &mut FrameAccounts,
 ) -> Option<Break> {
     let breaking = Breaking::clone(world.labels[parent].breaking.as_ref()?);
+    let is_piece = world.labels[parent].parent.is_some();
+    if is_piece && world.born_of_pieces >= MOST_BORN_OF_PIECES {
+        world.spare(parent);
+        return None;
+    }
     let striker = world.bodies.index_of(blow.striker)?;
     let pair = Pair { first: parent.min(striker), second: parent.max(striker) };
     let center = breaking.center.map(|at| world.bodies.shapes[parent].body_from_grid.point(at));
@@ -254,6 +253,7 @@ fn crack(
         if spent > 0.0 {
             repay_at(&mut world.bodies, pair, blow.acts_at, spent, accounts);
         }
+        world.born_of_pieces += if is_piece { fragments.len() } else { 0 };
         let &Blow { striker, point_world, impulse, borne, .. } = blow;
         let cause = Cause { striker, point_world, impulse, borne };
         return Some(Break { parent, breaking: Some(breaking), pattern, fragments, spent, cause });

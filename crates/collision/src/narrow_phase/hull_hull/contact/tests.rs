@@ -169,7 +169,8 @@ proptest! {
             prop_assert!((hulls[0].planes()[axis.face].distance(lowest) - axis.separation).abs() < 1e-12);
 
             let first = hulls[0].columns();
-            prop_assert!((with_widest(width, Inside { hull: first, point }) - depth).abs() < CLOSE);
+            let inside = with_widest(width, Inside { hull: first, point });
+            prop_assert!((inside - depth).abs() < CLOSE);
 
             // Compare edge axes, bit by bit.
             let mut scratch = Scratch::default();
