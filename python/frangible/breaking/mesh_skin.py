@@ -197,7 +197,8 @@ class MeshSkin:
         if number != NO_MATERIAL:
             one = self.materials[number]
             if one.corner_colours and np.isfinite(self.colours).any():
-                red, green, blue, _ = np.nanmean(self.colours.reshape(-1, 4), axis=0).tolist()
+                corners = self.colours.reshape(-1, 4).astype(np.float64)
+                red, green, blue, _ = np.nanmean(corners, axis=0).tolist()
                 one = replace(one, colour=(red, green, blue), name="", corner_colours=False)
             materials = (one,)
         return Skin(materials, np.zeros(0, np.int32))

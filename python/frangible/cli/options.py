@@ -255,7 +255,8 @@ def size(text: str) -> tuple[int, int]:
     """Width and height of a picture or a film [pixels]."""
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isdecimal() and len(part) < 9 for part in parts):
-        raise argparse.ArgumentTypeError(f"{shortened(text)!r}, must be WIDTHxHEIGHT, like 1280x720")
+        rule = "must be WIDTHxHEIGHT, like 1280x720"
+        raise argparse.ArgumentTypeError(f"{shortened(text)!r}, {rule}")
     width, height = int(parts[0]), int(parts[1])
     if not (16 <= width <= 8192 and 16 <= height <= 8192) or width % 2 or height % 2:
         raise argparse.ArgumentTypeError(f"{text!r}, must be even numbers from 16 to 8192")

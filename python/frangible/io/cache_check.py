@@ -188,17 +188,18 @@ def read_arrays(path: str) -> Arrays:
         size = sum(member.file_size for member in members.values())
         if size > MOST_BYTES:
             raise ValueError(f"it unpacks to {size} bytes, must be at most {MOST_BYTES}")
-        # What later tables add is not read.
-        known = {key: member for key, member in members.items() if key in _ALL}
         heads = {}
-        for key, member in known.items():
+        for key, member in members.items():
             with archive.open(member) as file:
                 heads[key] = _head(key, file, member.file_size)
         rows = _body_rows(heads["ids"].shape)
-        for key, head in heads.items():
-            _check_shape(key, head.shape, head.dtype, _ALL[key], rows)
+        # What later tables add is not read.
+        known = [key for key in heads if key in _ALL]
+        for key in known:
+            _check_shape(key, heads[key].shape, heads[key].dtype, _ALL[key], rows)
         arrays: Arrays = {}
-        for key, member in known.items():
+        for key in known:
+            member = members[key]
             with archive.open(member) as file:
                 _head(key, file, member.file_size)
                 arrays[key] = _array(key, file, heads[key])
