@@ -85,7 +85,7 @@ fn worlds() -> Vec<World> {
                 {"frame": 30.0, "position": [6.0, 2.0, 0.0]}]},
             with(falls(&cube, [0.0, 0.7, 0.2]), json!({"friction": 0.5})),
             falls(&cube, [3.0, 0.7, 0.2]),
-            with(falls(&cube, [0.0, 3.0, 0.2]), json!({"starts": {"when": "struck"}})),
+            {"shape": cube, "position": [0.0, 3.0, 0.2], "starts": {"when": "struck"}},
         ]),
     ];
     let after = |bodies: &Value| {
