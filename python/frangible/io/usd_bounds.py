@@ -78,7 +78,8 @@ class _Counter:
         """Of the largest variant of each set."""
         total = 0
         for name, variants in spec.variantSets.items():
-            paths = (spec.path.AppendVariantSelection(name, one) for one in variants.variants.keys())
+            ones = variants.variants.keys()
+            paths = (spec.path.AppendVariantSelection(name, one) for one in ones)
             total += max((self.count(layer, path) for path in paths), default=0)
         return total
 
