@@ -160,6 +160,23 @@ class Quarantined(TypedDict):
     cause: str
 
 
+class BorneBlow(TypedDict):
+    """A blow that broke nothing."""
+
+    #: The id of the body that bore it, and its name.
+    body: int
+    name: str
+    #: The name of what struck it.
+    striker: str
+    #: Where, in the world [m].
+    point: list[float]
+    #: [N s]
+    impulse: float
+    #: What the body bears there, at least [N s]. A blow above it had too little energy for the
+    #: cracks, or nothing to part.
+    bears: float
+
+
 class StepReport(TypedDict):
     """One frame."""
 
@@ -190,6 +207,9 @@ class StepReport(TypedDict):
     impulses: Impulses
     #: In order.
     fractures: list[Fracture]
+    #: Of the blows that broke nothing the one that came nearest to what its body bears; not in the
+    #: paper's method.
+    borne: NotRequired[BorneBlow | None]
     #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
     #: energy report.
     quarantined: list[Quarantined]

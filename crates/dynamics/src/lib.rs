@@ -19,7 +19,8 @@ pub use frame_rate::finish::Solved;
 pub use frame_rate::impact_log::Impact;
 pub use frame_rate::solve;
 pub use impacts::blows::{
-    Blow, LocalStrength, Strike, UpcomingImpact, pass_on, strikes, upcoming_impact,
+    Bearing, Blow, LocalStrength, Strike, UpcomingImpact, hardest_blow, pass_on, strikes,
+    upcoming_impact,
 };
 pub use impacts::impact_chain::find_impact_chain;
 pub use impulse::collision_impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};

@@ -42,11 +42,32 @@ pub struct StepReport {
     pub impulses: Impulses,
     /// Fractures, in order.
     pub fractures: Vec<Fracture>,
+    /// Of the blows that broke nothing the one that came nearest to what its body bears. Not in the
+    /// paper's method.
+    pub borne: Option<BorneBlow>,
     /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
     /// books.
     pub quarantined: Vec<Quarantined>,
     /// Time of each stage [ms], in order, by the clock that [`crate::World::set_clock`] was given.
     pub stages: Vec<(&'static str, f64)>,
+}
+
+/// A blow that broke nothing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BorneBlow {
+    /// The body that bore it, and its name.
+    pub body: u64,
+    /// See `body`.
+    pub name: String,
+    /// What struck it.
+    pub striker: String,
+    /// Where, in the world [m].
+    pub point: [f64; 3],
+    /// [N s]
+    pub impulse: f64,
+    /// What the body bears there, at least [N s]. A blow above it had too little energy for the
+    /// cracks, or nothing to part.
+    pub bears: f64,
 }
 
 /// Energy accounts of one frame [J].

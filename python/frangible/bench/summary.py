@@ -86,6 +86,8 @@ class RunFigures:
         self._stages: dict[str, float] = {}
         self._first_fracture: float | None = None
         self._fractures = 0
+        #: The blow that came nearest to breaking something and did not, and when [s].
+        self._borne: dict[str, Any] | None = None
         #: For each break that was asked for a number of pieces, that number and how many there are.
         self._asked: list[tuple[int, int]] = []
         #: Fragments that live.
@@ -111,6 +113,10 @@ class RunFigures:
         self._angular = max(self._angular, momentum["angular_error"])
         for stage, milliseconds in report["stages"]:
             self._stages[stage] = self._stages.get(stage, 0.0) + milliseconds
+        if blow := report.get("borne"):
+            share = blow["impulse"] / blow["bears"]
+            if self._borne is None or share > self._borne["impulse"] / self._borne["bears"]:
+                self._borne = {**blow, "time": report["time"]}
         for fracture in report["fractures"]:
             if self._first_fracture is None:
                 self._first_fracture = report["time"]
@@ -143,6 +149,7 @@ class RunFigures:
         """
         kinetics, potentials = [energy[0], *self._kinetic], [energy[1], *self._potential]
         first = {} if self._first_fracture is None else {"first_fracture_s": self._first_fracture}
+        borne = {} if self._borne is None else {"largest_borne": self._borne}
         return {
             "shot": shot,
             "method": method,
@@ -153,6 +160,7 @@ class RunFigures:
             "fractures": self._fractures,
             "pieces": len(self._pieces),
             **first,
+            **borne,
             "peak_memory_MiB": peak_memory(),
             "bodies": {
                 "start": bodies[0],
@@ -205,9 +213,22 @@ def describe(summary: Summary, seconds: float) -> str:
 
 def _broken(summary: Summary) -> str:
     if not summary["fractures"]:
-        return "nothing broke"
+        return "nothing broke" + _largest_borne(summary.get("largest_borne"))
     breaks = "" if summary["fractures"] == 1 else f" of {summary['fractures']} breaks, the first"
     return f"{_count(summary['pieces'], 'piece')}{breaks} after {summary['first_fracture_s']:.2f} s"
+
+
+def _largest_borne(blow: dict[str, Any] | None) -> str:
+    """The blow that came nearest to breaking something, and why it did not."""
+    if blow is None:
+        return ""
+    name, striker = blow["name"] or "a body", blow["striker"] or "a body"
+    where = ", ".join(f"{at:.3g}" for at in blow["point"])
+    why = "" if blow["impulse"] <= blow["bears"] else ", and has too little energy for its cracks"
+    return (
+        f": the largest blow, {blow['impulse']:.3g} N s by {striker} on {name} after "
+        f"{blow['time']:.2f} s at ({where}), meets {blow['bears']:.3g} N s of strength{why}"
+    )
 
 
 def _dissipated(energy: dict[str, float]) -> str:

@@ -125,6 +125,37 @@ pub fn strikes(bodies: &Bodies, mut impacts: Vec<Impact>, local: LocalStrength) 
     strikes
 }
 
+/// A blow, and what bears it.
+#[derive(Clone, Copy, Debug)]
+pub struct Bearing {
+    /// The body that may break, and what strikes it, by dense index.
+    pub body: usize,
+    /// See `body`.
+    pub striker: usize,
+    /// Where, in the world [m].
+    pub point: DVec3,
+    /// [N s]
+    pub impulse: f64,
+    /// What the body bears [N s]: there if the blow is above the weakest place's, else at least.
+    pub bears: f64,
+}
+
+/// The impact that is largest relative to what its body bears; `bodies` are those of the frame's
+/// start.
+pub fn hardest_blow(bodies: &Bodies, impacts: &[Impact], local: LocalStrength) -> Option<Bearing> {
+    let bearing = |impact: &Impact, side: usize| {
+        let both = impact.pair.both();
+        let (body, striker) = (both[side], both[1 - side]);
+        let (least, impulse) = (bodies.strength(body), impact.impulse.length());
+        let point = impact.contact.point;
+        let point_body = || impact.poses[side].world_from_body().inverse().point(point);
+        let bears = if impulse > least { local(bodies, body, point_body()) } else { least };
+        bears.is_finite().then_some(Bearing { body, striker, point, impulse, bears })
+    };
+    let all = impacts.iter().flat_map(|impact| [0, 1].map(|side| bearing(impact, side)));
+    all.flatten().max_by(|a, b| (a.impulse / a.bears).total_cmp(&(b.impulse / b.bears)))
+}
+
 impl Strike {
     /// Applies what the weaker body bears to both bodies at the frame's start, clamped to the
     /// available energy, and books it.

@@ -83,6 +83,7 @@ impl Opening {
                 withheld: accounts.clamps.withheld,
             },
             fractures,
+            borne: moved.borne.take(),
             quarantined: std::mem::take(&mut moved.quarantined),
             stages: Vec::new(),
         }

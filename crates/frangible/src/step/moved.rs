@@ -1,6 +1,6 @@
 //! State of a frame between motion and the ledger.
 
-use crate::report::{Fracture, Quarantined};
+use crate::report::{BorneBlow, Fracture, Quarantined};
 use crate::step::quarantine::Before;
 use frangible_bodies::BodyId;
 use frangible_dynamics::{ContactFreeState, FrameAccounts};
@@ -27,6 +27,8 @@ pub(crate) struct Moved {
     pub(crate) quarantined: Vec<Quarantined>,
     /// State at the solver's start.
     pub(crate) before: Before,
+    /// The blow that came nearest to breaking something, and did not.
+    pub(crate) borne: Option<BorneBlow>,
     /// Waiting bodies that a blow reached.
     pub(crate) hit: Vec<BodyId>,
 }

@@ -65,6 +65,7 @@ pub(crate) fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut Stag
         left_out: 0,
         short_of_substeps: 0,
         short_of_impacts: 0,
+        borne: None,
         quarantined: Vec::new(),
         before,
         hit: Vec::new(),

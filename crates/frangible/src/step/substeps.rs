@@ -1,6 +1,6 @@
 //! The frame-rate method: one detection at x^n, then substeps ([Cat24], [Mac19]; adr/010).
 
-use crate::report::{Fracture, id_number};
+use crate::report::{BorneBlow, Fracture, id_number};
 use crate::step::bonds::{glued_contact_forces, note_carried};
 use crate::step::break_bodies::break_by_strikes;
 use crate::step::local_strength::bears_at;
@@ -12,8 +12,8 @@ use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, predict};
 use frangible_collision::{ImpulseCache, Manifold, Swept};
 use frangible_dynamics::{
-    ContactForce, ContactFreeState, FrameAccounts, Impact, Solved, find_impact_chain, solve,
-    strikes,
+    Bearing, ContactForce, ContactFreeState, FrameAccounts, Impact, Solved, find_impact_chain,
+    hardest_blow, solve, strikes,
 };
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -24,6 +24,7 @@ use std::collections::BTreeSet;
 pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
     let (mut accounts, mut quarantined) = (FrameAccounts::default(), Vec::new());
     let mut fractures: Vec<Fracture> = Vec::new();
+    let mut borne = None;
     let mut passes = 0;
     loop {
         take_out_faulty(world, &mut quarantined);
@@ -31,6 +32,9 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
         let start = may_break.then(|| FrameStart::of(world));
         let mut solved = solve_frame(world, &fractures, &accounts, frame, clock);
         let impacts = std::mem::take(&mut solved.impacts);
+        if let (0, Some(start)) = (passes, &start) {
+            borne = nearest_to_break(world, &start.bodies, &impacts);
+        }
         let broken = start
             .map_or(Vec::new(), |start| break_struck(world, start, impacts, &mut accounts, frame));
         clock.lap("break_bodies");
@@ -43,7 +47,6 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
         note_carried(world, &solved.glued_forces);
         accounts.add(solved.accounts);
         return Moved {
-            fractures,
             contact_free: solved.contact_free,
             gravity: solved.gravity,
             accounts,
@@ -52,9 +55,25 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
             short_of_impacts: solved.short_of_impacts,
             quarantined,
             before: solved.before,
+            borne: borne.filter(|blow| fractures.iter().all(|broken| broken.body != blow.body)),
+            fractures,
             hit: solved.hit,
         };
     }
+}
+
+/// Of the blows to bodies that may break the one that is largest relative to what its body bears.
+fn nearest_to_break(world: &World, start: &Bodies, impacts: &[Impact]) -> Option<BorneBlow> {
+    let local = |bodies: &Bodies, i, at| bears_at(bodies, &world.labels, i, at);
+    let Bearing { body, striker, point, impulse, bears } = hardest_blow(start, impacts, &local)?;
+    Some(BorneBlow {
+        body: id_number(start.ids[body]),
+        name: world.labels[body].name.clone(),
+        striker: world.labels[striker].name.clone(),
+        point: point.to_array(),
+        impulse,
+        bears,
+    })
 }
 
 /// What the substeps change, at the frame's start.
