@@ -1,6 +1,7 @@
 //! All bodies of a world, in dense arrays grouped by what changes together.
 
 use crate::activity::{Activity, Substeps};
+use crate::body_id::BodyId;
 use crate::collision_classes::{CollisionClass, CollisionClasses};
 use crate::enclosures::Enclosures;
 use crate::frame::MOST_SUBSTEPS;
@@ -10,15 +11,6 @@ use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// Names a body for as long as it lives; a slot's next tenant has another generation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct BodyId {
-    /// Slot.
-    pub index: u32,
-    /// Number of earlier bodies in this slot.
-    pub generation: u32,
-}
 
 /// Rule for the motion of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

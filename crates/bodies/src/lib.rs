@@ -3,15 +3,18 @@
 
 mod activity;
 mod bodies;
+mod body_id;
 mod collision_classes;
 mod enclosures;
 mod frame;
 mod free_flight;
+mod near_sheets;
 mod pair;
 mod state;
 
 pub use activity::{Activity, Drowsiness, Substeps};
-pub use bodies::{Bodies, BodyId, Motion, NewBody, PairSurface, PerBody, SurfaceProperties};
+pub use bodies::{Bodies, Motion, NewBody, PairSurface, PerBody, SurfaceProperties};
+pub use body_id::BodyId;
 pub use collision_classes::{CollisionClass, CollisionClasses};
 pub use frame::{Frame, MOST_SUBSTEPS, Rotation, StepSettings};
 pub use free_flight::ballistic_path::BallisticPath;

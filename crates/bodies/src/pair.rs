@@ -1,6 +1,7 @@
 //! Two bodies.
 
-use crate::bodies::{Bodies, BodyId};
+use crate::bodies::Bodies;
+use crate::body_id::BodyId;
 use serde::{Deserialize, Serialize};
 
 /// A pair of bodies, by dense index; the first has the smaller one.

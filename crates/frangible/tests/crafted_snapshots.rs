@@ -175,7 +175,9 @@ fn what_is_crafted_is_refused_or_goes_on() {
     for snapshot in &snapshots {
         assert!(go_on(snapshot), "the intact world");
     }
-    std::panic::set_hook(Box::new(|_| {}));
+    std::panic::set_hook(Box::new(|panic| {
+        println!("{}", panic.location().map_or(String::new(), ToString::to_string));
+    }));
     let (mut faults, mut accepted) = (Vec::new(), 0);
     for seed in 0..count {
         let mut random = Pcg64Mcg::seed_from_u64(seed);

@@ -46,7 +46,7 @@ struct Draw(Pcg64Mcg);
 
 impl Draw {
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0.random_range(low..high)
+        if low < high { self.0.random_range(low..high) } else { low }
     }
 
     /// Evenly in the logarithm.

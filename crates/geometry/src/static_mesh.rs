@@ -4,6 +4,7 @@
 pub(crate) mod adjacency;
 pub(crate) mod box_tree;
 pub(crate) mod closed_sheet;
+pub(crate) mod compartments;
 pub(crate) mod covered_borders;
 pub(crate) mod distance;
 pub(crate) mod heightfield;
@@ -17,6 +18,7 @@ use frangible_math::check::{Check, Checked};
 use glam::{DVec3, Vec3};
 use kinds::{EdgeKind, Neighbour, Sides};
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// Smallest height of a triangle over its longest side, relative to that side: the normal of a
 /// flatter one is rounding [1].
@@ -43,6 +45,10 @@ pub struct StaticMesh {
     /// If it is two-sided and closed.
     #[serde(skip_serializing)]
     closed: Option<Box<ClosedSheet>>,
+    /// A closed sheet as it is seen from the outside, then from the inside of each surface; made when
+    /// somebody is there.
+    #[serde(skip_serializing)]
+    seen: Vec<OnceLock<Box<Self>>>,
     dropped: usize,
 }
 
@@ -101,8 +107,20 @@ impl StaticMesh {
         let closed = (sides == Sides::Two)
             .then(|| ClosedSheet::of(&positions, &triangles, &adjacency).map(Box::new))
             .flatten();
-        let mut built =
-            Self { positions, triangles, adjacency, around, begins, tree, sides, closed, dropped };
+        let sides_seen = closed.as_ref().map_or(0, |closed| closed.volumes.len() + 1);
+        let seen = vec![OnceLock::new(); sides_seen];
+        let mut built = Self {
+            positions,
+            triangles,
+            adjacency,
+            around,
+            begins,
+            tree,
+            sides,
+            closed,
+            seen,
+            dropped,
+        };
         built.flatten_covered_borders();
         built.adjacency.mark_owners(&built.triangles, &built.begins, &built.around);
         let Self { tree, adjacency, .. } = &mut built;

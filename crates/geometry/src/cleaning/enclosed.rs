@@ -4,8 +4,8 @@
 //! the walls. Where the winding number of all parts together is above a half between two sheets
 //! [JKS13], a strip from rim to rim makes one closed surface of both.
 
-use super::{Assembly, CRACK, FLAT_OPEN, Part, SHEET};
 use crate::bvh::Bvh;
+use crate::cleaning::assembly::{Assembly, CRACK, FLAT_OPEN, Part, SHEET};
 use crate::winding_number::{INSIDE, WindingNumber};
 use glam::DVec3;
 

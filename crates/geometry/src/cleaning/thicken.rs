@@ -1,7 +1,8 @@
 //! Open sheets made into plates.
 
+use super::WELDED;
 use super::pairing::NONE;
-use super::{Assembly, CRACK, Part, WELDED};
+use crate::cleaning::assembly::{Assembly, CRACK, Part};
 use crate::mesh::TriMesh;
 use crate::mesh_check::MeshError;
 use glam::DVec3;
