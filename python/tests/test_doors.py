@@ -11,6 +11,7 @@ import socket
 import subprocess
 import time
 import zipfile
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -26,6 +27,9 @@ from frangible.scenes import read_scene
 from frangible.words import for_terminal
 from kill_and_resume import command
 from test_bad_input import complain as complain
+
+#: Runs the command, and answers with the sentence that it ends with.
+Complain = Callable[..., str]
 
 #: Its first frame takes seconds: so many cubes break into so many pieces.
 LONG_FRAME = {
@@ -44,7 +48,7 @@ LONG_FRAME = {
 }
 
 
-def test_what_no_run_wrote_stays(tmp_path: Path, complain) -> None:  # type: ignore[no-untyped-def]
+def test_what_no_run_wrote_stays(tmp_path: Path, complain: Complain) -> None:
     """Also beside what one wrote."""
     out = tmp_path / "o.npz"
     folder = tmp_path / "o.npz.part"
@@ -65,7 +69,7 @@ def test_what_no_run_wrote_stays(tmp_path: Path, complain) -> None:  # type: ign
     assert os.listdir(tmp_path) == ["o.npz"]
 
 
-def test_a_run_keeps_others_out_until_it_ends(tmp_path: Path, complain) -> None:  # type: ignore[no-untyped-def]
+def test_a_run_keeps_others_out_until_it_ends(tmp_path: Path, complain: Complain) -> None:
     out = tmp_path / "two.npz"
     given = ["run", "stack", "--quiet", "--out", str(out), "--frames"]
     with subprocess.Popen(command(*given, "100000")) as first:
@@ -143,7 +147,7 @@ def test_a_frame_that_is_interrupted_is_undone() -> None:
 
 
 @pytest.mark.parametrize("ending", ["json", "toml"])
-def test_numbers_without_end_are_refused(ending: str, tmp_path: Path, complain) -> None:  # type: ignore[no-untyped-def]
+def test_numbers_without_end_are_refused(ending: str, tmp_path: Path, complain: Complain) -> None:
     digits = "1" * 5000
     scene = tmp_path / f"scene.{ending}"
     scene.write_text(
@@ -155,7 +159,7 @@ def test_numbers_without_end_are_refused(ending: str, tmp_path: Path, complain) 
     assert "must be WIDTHxHEIGHT" in complain("render", "x.npz", "--size", f"{digits}x16")
 
 
-def test_keys_without_end_are_refused(tmp_path: Path, complain) -> None:  # type: ignore[no-untyped-def]
+def test_keys_without_end_are_refused(tmp_path: Path, complain: Complain) -> None:
     key = "a." * 20_000 + "a"
     scene = tmp_path / "scene.toml"
     for text in (f"{key} = 1", f"[{key}]", f'b = {{"a" . {key} = 1}}'):
@@ -191,7 +195,8 @@ def test_names_do_not_reach_the_terminal_as_they_are(
     out, err = capsys.readouterr()
     assert "\\u{1b}[31mred\\u{9b}" in out and "\\u{1b}[2J.obj" in err
     assert not {"\x1b", "\x9b"} & {*out, *err}
-    assert for_terminal("a\tb\n" + "x" * 5000).endswith(" ...") and "\u202e" not in for_terminal("\u202e")
+    assert for_terminal("a\tb\n" + "x" * 5000).endswith(" ...")
+    assert "\u202e" not in for_terminal("\u202e")
 
 
 def bomb(fan: int, depth: int, arc: str) -> str:
@@ -211,7 +216,7 @@ def bomb(fan: int, depth: int, arc: str) -> str:
      "instanceable = true\nreferences"],
 )  # fmt: skip
 def test_references_that_multiply_are_refused_before_they_do(
-    arc: str, tmp_path: Path, complain  # type: ignore[no-untyped-def]
+    arc: str, tmp_path: Path, complain: Complain
 ) -> None:
     pytest.importorskip("pxr")
     stage = tmp_path / "bomb.usda"
@@ -230,7 +235,8 @@ def test_references_that_do_not_multiply_are_read(tmp_path: Path) -> None:
     (tmp_path / "below.usda").write_text('#usda 1.0\ndef "more"\n{\ndef Cube "one"\n{\n}\n}\n')
     (tmp_path / "stage.usda").write_text(
         "#usda 1.0\n(\nsubLayers = [@below.usda@, @gone.usda@]\n)\n"
-        'def "a" (\nreferences = @asset.usda@\n)\n{\n}\ndef "b" (\nreferences = [@gone.usda@, </b>]\n'
+        'def "a" (\nreferences = @asset.usda@\n)\n{\n}\n'
+        'def "b" (\nreferences = [@gone.usda@, </b>]\n'
         ')\n{\n}\ndef "c" (\nvariants = {\nstring v = "x"\n}\nprepend variantSets = "v"\n)\n{\n'
         'variantSet "v" = {\n"x" {\ndef "d" (\nreferences = @asset.usda@\n)\n{\n}\n}\n}\n}\n'
     )
@@ -242,7 +248,7 @@ def test_references_that_do_not_multiply_are_read(tmp_path: Path) -> None:
     assert there < counted < 3 * there
 
 
-def test_an_archive_is_looked_at_before_it_is_unpacked(tmp_path: Path, complain) -> None:  # type: ignore[no-untyped-def]
+def test_an_archive_is_looked_at_before_it_is_unpacked(tmp_path: Path, complain: Complain) -> None:
     zeros = np.zeros(2**25)
     path = tmp_path / "large.npz"
     np.savez_compressed(path, positions=zeros)
@@ -316,9 +322,8 @@ def test_requests_that_are_none_and_pages_that_close_say_nothing(
 ) -> None:
     with PageServer(streaming_page("x" * 10_000_000)) as server:
         address = server.host.split(":")
-        for request in (f"GET / HTTP/1.1\r\nHost: {server.host}\r\n\r\n",
-                        f"GET nothing HTTP/1.1\r\nHost: {server.host}\r\n\r\n",
-                        f"GET /{server.token}/ HTTP/1.1\r\nHost: {server.host}\r\n\r\n"):  # fmt: skip
+        for path in ("/", "nothing", f"/{server.token}/"):
+            request = f"GET {path} HTTP/1.1\r\nHost: {server.host}\r\n\r\n"
             with socket.create_connection((address[0], int(address[1]))) as client:
                 client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
                 client.sendall(request.encode())
@@ -328,7 +333,7 @@ def test_requests_that_are_none_and_pages_that_close_say_nothing(
     assert capfd.readouterr().err == ""
 
 
-def test_a_long_line_of_a_stage_is_cut(tmp_path: Path, complain) -> None:  # type: ignore[no-untyped-def]
+def test_a_long_line_of_a_stage_is_cut(tmp_path: Path, complain: Complain) -> None:
     pytest.importorskip("pxr")
     stage = tmp_path / "long.usda"
     stage.write_text("#usda 1.0\ndef " + "x" * 100_000 + "\n")
