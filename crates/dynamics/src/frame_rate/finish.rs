@@ -90,7 +90,7 @@ impl<I: Instructions> Group<I> {
         for (&manifold, points) in &self.speculative.points {
             solved.confirmed.insert(manifolds[manifold as usize].pair, points.clone());
         }
-        solved.impacts.extend(self.impacts.drain(..).map(|(_, impact)| impact));
+        solved.impacts.extend(self.impacts.drain(..).map(|pair| pair.largest));
         let accounts = &mut solved.accounts;
         let (momenta, cache) = self.book_contacts(bodies, manifolds, frame.dt, accounts);
         for line in 0..self.bodies.lines.len() {

@@ -2,7 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
-use super::impact_log::Impact;
+use super::impact_log::PairImpacts;
 use super::joint_lanes::companions;
 use super::restitution::{ImpactBudget, propagate_impacts};
 use super::slabs::{Slab, Slabs};
@@ -52,9 +52,8 @@ pub(super) struct Group<I> {
     /// Built on first use.
     touching: OnceCell<Touching>,
     pub(super) speculative: SpeculativeContacts,
-    /// Largest impact of each two lines, with [`FIXED`](super::joint_lanes::FIXED) for static
-    /// bodies, in the lanes of those that may break.
-    pub(super) impacts: Vec<([usize; 2], Impact)>,
+    /// Impacts in the lanes of bodies that may break.
+    pub(super) impacts: Vec<PairImpacts>,
     pub(super) budget: ImpactBudget,
     pub(super) substeps: u32,
     /// Length of a substep [s].

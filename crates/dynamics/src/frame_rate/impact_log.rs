@@ -8,15 +8,15 @@ use frangible_collision::ContactPoint;
 use frangible_math::{Instructions, Single};
 use glam::DVec3;
 
-/// An impact of a pair, where static bodies count as one: the impulses of a substep along one
-/// normal.
+/// An impact of a pair, where static bodies count as one: the impulses along one normal in a substep,
+/// or in several that follow each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Impact {
     /// The two that exchange most of the impulse.
     pub pair: Pair,
     /// On the first body, world frame [N s].
     pub impulse: DVec3,
-    /// Start of its substep, from the frame's start [s], and its number among the impacts of that
+    /// Start of its first substep, from the frame's start [s], and its number among the impacts of that
     /// substep and island group: a blow comes before what it causes.
     pub time: f64,
     /// See `time`.
@@ -32,6 +32,17 @@ pub struct Impact {
     pub is_at_point: bool,
     /// Where the impulse acts at the poses of the frame's start, world frame [m].
     pub acts_at: DVec3,
+}
+
+/// Impacts of a pair along one normal.
+pub(super) struct PairImpacts {
+    /// Solver lines of the body, and of its partner or [`FIXED`](super::joint_lanes::FIXED).
+    pub(super) lines: [usize; 2],
+    /// The last one, with those of the substeps right before it, and the start of its last substep
+    /// [s].
+    pub(super) running: Impact,
+    pub(super) until: f64,
+    pub(super) largest: Impact,
 }
 
 /// Impulses in the impacts of a substep, for the lanes with breakable bodies.

@@ -3,7 +3,7 @@
 
 use super::constraints::SAME_NORMAL;
 use super::group::Group;
-use super::impact_log::{Impact, ImpactLog, LaneImpact};
+use super::impact_log::{Impact, ImpactLog, LaneImpact, PairImpacts};
 use super::joint_lanes::FIXED;
 use super::solver_bodies::SolverBody;
 use frangible_bodies::{Bodies, Motion, Pair};
@@ -30,7 +30,8 @@ struct Joint {
 }
 
 impl<I: Instructions> Group<I> {
-    /// Takes the impacts of the substep that begins at `time` [s]; each pair keeps its largest.
+    /// Takes the impacts of the substep that begins at `time` [s]; each pair keeps its largest along
+    /// each normal.
     pub(super) fn keep_impacts(
         &mut self,
         log: &mut ImpactLog,
@@ -45,12 +46,30 @@ impl<I: Instructions> Group<I> {
         // In the order of their first lanes.
         for (number, joint) in joints.iter().enumerate() {
             let impact = self.impact_of(joint, &entries, (bodies, manifolds), (time, number));
-            let known = self.impacts.iter_mut().find(|(lines, _)| *lines == joint.lines);
-            match known {
-                Some((_, known)) if known.impulse.length() >= impact.impulse.length() => {}
-                Some((_, known)) => *known = impact,
-                None => self.impacts.push((joint.lines, impact)),
-            }
+            self.keep(joint.lines, impact, time);
+        }
+    }
+
+    /// Keeps an impact of the substep that begins at `time` [s], as a part of the one before it or
+    /// by itself.
+    fn keep(&mut self, lines: [usize; 2], impact: Impact, time: f64) {
+        let normal = impact.contact.normal;
+        let is_along = |pair: &&mut PairImpacts| {
+            pair.lines == lines && pair.running.contact.normal.dot(normal) > SAME_NORMAL
+        };
+        let Some(pair) = self.impacts.iter_mut().find(is_along) else {
+            self.impacts.push(PairImpacts { lines, running: impact, until: time, largest: impact });
+            return;
+        };
+        if time - pair.until < 1.5 * self.h {
+            pair.running.impulse += impact.impulse;
+            pair.running.is_at_point &= impact.is_at_point;
+        } else {
+            pair.running = impact;
+        }
+        pair.until = time;
+        if pair.running.impulse.length() > pair.largest.impulse.length() {
+            pair.largest = pair.running;
         }
     }
 
