@@ -575,9 +575,12 @@ class Breaking(Description):
     point: Numbers | None = None
     #: Turn of the pattern about the blow's direction [rad].
     twist: float | None = None
-    #: Points at which the body is stronger or weaker; in between strength is a mean, weighted by
-    #: the inverse squares of the distances. Not with the paper's method.
+    #: Points at which the body is stronger or weaker; beside them strength is a mean of the eight
+    #: nearest, the nearer the more. Not with the paper's method.
     strength_points: list[StrengthPoint] | None = None
+    #: Triangles between these points, by their numbers from 0 on, as those of a painted mesh:
+    #: strength is then that of the nearest triangle, linear between its corners.
+    strength_triangles: Rows | None = None
 
 
 @dataclass(slots=True)
@@ -616,6 +619,8 @@ class Bonds(Description):
     anchors: list[Anchor] | None = None
     #: Points at which bonds are stronger or weaker, as those of `breaking`.
     strength_points: list[StrengthPoint] | None = None
+    #: Triangles between these points, as those of `breaking`.
+    strength_triangles: Rows | None = None
 
 
 @dataclass(slots=True)
