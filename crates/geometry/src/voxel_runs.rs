@@ -58,10 +58,11 @@ impl Held {
                 && run.start < run.end;
             let [along, across, up] = self.shift;
             let within = |n: u32, shift: i64, most: usize| {
-                (0..most as i64).contains(&(i64::from(n) - shift))
+                let at = i64::from(n).checked_sub(shift);
+                at.is_some_and(|at| (0..most as i64).contains(&at))
             };
             let on_grid = within(run.start, along, grid.dims[0])
-                && within(run.end - 1, along, grid.dims[0])
+                && within(run.end.saturating_sub(1), along, grid.dims[0])
                 && within(run.row[0], across, grid.dims[1])
                 && within(run.row[1], up, grid.dims[2]);
             require(on_source && on_grid, "runs on the grid and in the source")?;

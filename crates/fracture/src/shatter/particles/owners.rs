@@ -92,8 +92,8 @@ impl Owners {
     fn within(&self, at: DVec3, reach: i64) -> Vec<usize> {
         let ends: [[usize; 2]; 3] = std::array::from_fn(|axis| {
             let last = self.grid.dims[axis] as i64 - 1;
-            [at[axis] as i64 - reach, at[axis] as i64 + 1 + reach]
-                .map(|end| end.clamp(0, last) as usize)
+            let here = (at[axis] as i64).clamp(-reach, last + reach);
+            [here - reach, here + 1 + reach].map(|end| end.clamp(0, last) as usize)
         });
         let [[x, to_x], [y, to_y], [z, to_z]] = ends;
         let mut near = Vec::new();
