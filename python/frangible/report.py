@@ -209,7 +209,7 @@ class StepReport(TypedDict):
     fractures: list[Fracture]
     #: Of the blows that broke nothing the one that came nearest to what its body bears; not in the
     #: paper's method.
-    borne: NotRequired[BorneBlow | None]
+    borne: NotRequired[BorneBlow]
     #: Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
     #: energy report.
     quarantined: list[Quarantined]

@@ -248,7 +248,7 @@ def test_files_of_pieces_have_materials_images_and_names(
     kind: str, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     path = str(request.getfixturevalue(f"{kind}_file"))
-    command = ["break", path, "--pattern", "voronoi", "--cells", "10", "--inside", "Core", "--out"]
+    command = ["break", path, "--pattern", "voronoi", "--cells", "40", "--inside", "Core", "--out"]
     assert main([*command, str(tmp_path / "out.glb")]) == 0
     assert objections(khronos_report(tmp_path / "out.glb")["issues"]) == []
     document, _ = parse(tmp_path / "out.glb")

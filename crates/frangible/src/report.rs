@@ -44,6 +44,7 @@ pub struct StepReport {
     pub fractures: Vec<Fracture>,
     /// Of the blows that broke nothing the one that came nearest to what its body bears. Not in the
     /// paper's method.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub borne: Option<BorneBlow>,
     /// Bodies whose numbers went bad and that were taken out of the world. Such a frame has no
     /// books.

@@ -215,9 +215,9 @@ fn a_hollow_cube_is_as_thick_as_its_walls() {
             };
             for shape in &shapes {
                 let found = thickness(shape, point);
-                assert!(found > 0.999 * wall && found < 1.28 * wall, "{wall} at {point}: {found}");
+                assert!(found > 0.997 * wall && found < 1.28 * wall, "{wall} at {point}: {found}");
                 if from_edge > 2.0 * wall {
-                    assert_near(found, wall, 1e-3, &format!("{wall} at {point}"));
+                    assert_near(found, wall, 3e-3, &format!("{wall} at {point}"));
                 }
             }
         }

@@ -35,14 +35,14 @@ export interface StepReport {
   impulses: { applied: number; clamped: number; discarded: number; withheld: number };
   fractures: Fracture[];
   /** Of the blows that broke nothing the one that came nearest to what its body bears [N s]. */
-  borne: {
+  borne?: {
     body: number;
     name: string;
     striker: string;
     point: [number, number, number];
     impulse: number;
     bears: number;
-  } | null;
+  };
   quarantined: { body: number; cause: string }[];
   /** Names of the stages and how long they took [ms]. */
   stages: [string, number][];

@@ -48,7 +48,8 @@ def strength_points_of(prim: Any) -> Strength:
     ]
     corners = [[int(number) for number in triangle] for triangle in triangles]
     fits = all(0 <= number < len(points) for triangle in corners for number in triangle)
-    return {"strength_points": points, **({"strength_triangles": corners} if corners and fits else {})}
+    triangles = {"strength_triangles": corners} if corners and fits else {}
+    return {"strength_points": points, **triangles}
 
 
 def write_strength_points(prim: Any, said: Mapping[str, Any]) -> None:
