@@ -107,10 +107,9 @@ def test_pieces_that_are_too_small_are_told_of(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     lines = BOX.splitlines()
-    places = [line.replace("1", "0.005") for line in lines if line.startswith("v")]
+    places = [line.replace("1", "0.001") for line in lines if line.startswith("v")]
     (tmp_path / "small.obj").write_text("\n".join([*places, *lines[len(places) :]]) + "\n")
     command = ["break", str(tmp_path / "small.obj"), "--pattern", "voronoi", "--pieces", "60"]
-    command += ["--smallest", "1e-6"]
     assert main([*command, "--out", str(tmp_path / "small.xml"), "--quiet"]) == 0
     assert "kg m^2, which MuJoCo refuses; --smallest merges" in capsys.readouterr().err
 

@@ -284,7 +284,7 @@ fn rolls() -> Result<Vec<Finding>, Obstacle> {
     let (radius, height, resolution) = (0.25, 0.5, Resolution::default());
     let shapes = [
         ("balls", ball(radius)),
-        ("cylinders", ShapeDesc::Cylinder { radius, height, resolution: resolution.clone() }),
+        ("cylinders", ShapeDesc::Cylinder { radius, height, resolution }),
         ("capsules", ShapeDesc::Capsule { radius, height, resolution }),
     ];
     let mut findings = Vec::new();
