@@ -96,10 +96,13 @@ mod tests {
                         if item == 8 {
                             cancel.cancel();
                         }
-                        while item >= 8 {
+                        // Those from the eighth on go on until they are called off.
+                        loop {
                             threads::for_each(&mut [0; 4], 1000, |_| {});
+                            if item < 8 {
+                                return item;
+                            }
                         }
-                        item
                     })
                 })
             });
