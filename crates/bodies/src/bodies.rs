@@ -157,7 +157,7 @@ impl Check for Bodies {
 }
 
 impl Bodies {
-    /// Whether the values of a body go together.
+    /// Checks that the values of a body go together.
     fn check_body(&self, i: usize) -> Checked {
         let (shape, density, surface) = (&self.shapes[i], self.densities[i], &self.surfaces[i]);
         let expected = match self.motions[i] {
@@ -201,11 +201,11 @@ struct Slots {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PerBody<T>(Vec<Option<(u32, T)>>);
 
-/// What is counted from frame to frame is far below this.
+/// Counts from frame to frame stay far below this.
 const LATE: u32 = 1 << 31;
 
 impl Slots {
-    /// Whether each body has its slot, and each free slot is empty and listed once.
+    /// Checks that each body has its slot, and each free slot is empty and listed once.
     fn check(&self, ids: &[BodyId]) -> Checked {
         require(self.generation.len() == self.dense.len(), "a generation for each slot")?;
         for (dense, id) in ids.iter().enumerate() {
@@ -225,7 +225,7 @@ impl Slots {
 }
 
 impl<T> PerBody<T> {
-    /// Whether all values keep a rule.
+    /// Checks that all values keep a rule.
     ///
     /// # Errors
     /// The rule that one breaks.

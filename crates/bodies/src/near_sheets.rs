@@ -1,5 +1,5 @@
-//! Who is on which side of closed sheets: known from when a body first came near, so that it comes
-//! back where it has sunk in.
+//! Sides of closed sheets that bodies are on: known from when a body first came near, so that it
+//! comes back where it has sunk in.
 
 use crate::bodies::Bodies;
 use crate::body_id::BodyId;

@@ -44,7 +44,7 @@ pub(crate) struct CachedPoint {
 }
 
 impl CacheChunk {
-    /// Whether its pairs are of `bodies` bodies, and its points theirs.
+    /// Checks that its pairs are of `bodies` bodies, and its points theirs.
     pub(crate) fn check(&self, bodies: usize) -> Checked {
         let mut begin = 0;
         for cached in &self.pairs {

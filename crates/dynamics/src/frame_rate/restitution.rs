@@ -29,7 +29,7 @@ const LOOKS: usize = 64;
 /// Batches that are asked for impacts in the time of a visit [1].
 const ASKS: usize = 8;
 
-/// What impacts may still cost.
+/// Work that impacts may still cost.
 #[derive(Clone, Copy)]
 pub(super) struct ImpactBudget {
     /// Visits to batches in a substep.
