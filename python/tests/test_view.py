@@ -111,7 +111,8 @@ def test_a_browser_tells_what_the_recording_holds(rain: Recording, tmp_path: Pat
     assert number(picked["speed"]) == pytest.approx(rain.fps * np.linalg.norm(way), rel=0.02)
     assert told["parent"]["name"] == parent.name
     assert told["parent"]["state"] == "broken"
-    assert told["pressed"] == picked["row"]
+    assert all(press["pressed"] == press["looked"] for press in told["pressed"])
+    assert len({press["pressed"] for press in told["pressed"]}) == 2
 
     # What is said of it, and of all.
     said = told["spoken"]
