@@ -2,3 +2,4 @@
 
 pub(crate) mod blows;
 pub(crate) mod impact_chain;
+pub(crate) mod recent_impacts;

@@ -23,6 +23,7 @@ pub use impacts::blows::{
     upcoming_impact,
 };
 pub use impacts::impact_chain::find_impact_chain;
+pub use impacts::recent_impacts::RecentImpacts;
 pub use impulse::collision_impulse::{Impulse, apply_impulse, collision_impulse, contact_matrix};
 pub use impulse::energy_clamp::{Clamp, ClampSide, Clamps, clamp_impulse};
 pub use impulse::pair_impulse::{Approach, PairImpulse};

@@ -10,7 +10,7 @@ use crate::scene::desc::Method;
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, StepSettings};
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
-use frangible_dynamics::Ledger;
+use frangible_dynamics::{Ledger, RecentImpacts};
 use frangible_math::check::Check;
 use frangible_math::shared;
 use glam::DVec3;
@@ -21,7 +21,7 @@ const MAGIC: &[u8] = b"frangible world\n";
 
 /// Another version may lay out the state in another way, and go on to other bits. The number after
 /// the dash counts changes of the layout between versions.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "-3");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "-4");
 
 /// Why a snapshot was not written or not read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -57,6 +57,7 @@ struct Fields {
     ledger: Ledger,
     method: Method,
     warm: ImpulseCache,
+    recent_impacts: RecentImpacts,
     contact_cache: ContactCache,
     fits: BirthFits,
     spared: Vec<(BodyId, f64)>,

@@ -15,7 +15,7 @@ use frangible_bodies::{
     Bodies, BodyId, Drowsiness, Frame, Motion, NewBody, StepSettings, Velocity,
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache, find_penetrations};
-use frangible_dynamics::Ledger;
+use frangible_dynamics::{Ledger, RecentImpacts};
 use frangible_fracture::{ShatterSettings, StrengthPoints};
 use frangible_geometry::{Shape, Surface};
 use frangible_math::check::Check;
@@ -38,6 +38,8 @@ pub struct World {
     pub(crate) method: Method,
     /// The last frame's contact impulses.
     pub(crate) warm: ImpulseCache,
+    /// Impacts that the next frame's may join to one blow.
+    pub(crate) recent_impacts: RecentImpacts,
     /// Pairs of polyhedra as they were in the last frame.
     pub(crate) contact_cache: ContactCache,
     /// Overlaps of fragments at birth.

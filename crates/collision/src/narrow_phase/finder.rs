@@ -135,20 +135,17 @@ fn find_candidates(pair_motion: &PairMotion) -> Vec<Candidate> {
         &mut penetrations,
     );
     let candidate = |penetration: &Penetration| {
-        let contact = contact_point(first, second, penetration);
-        let phi = f64::from(penetration.phi);
+        let is_of_first = penetration.sample_of_first;
+        let seen = (contact_point(first, second, penetration), f64::from(penetration.phi));
+        // Bodies that turn far may touch with another side than they have there now.
+        let own = || pair_motion.seen_from_own(is_of_first, seen.0, seen.1);
+        let (contact, phi) = if turns { Some(seen) } else { own() }?;
         let [of_first, of_second] = pair_motion.paths.map(|path| path.velocity(contact.point, 0.0));
         let closing = (of_second - of_first).dot(contact.normal);
         let approach = pair_motion.surface_speed(contact.normal, closing, phi);
-        let feature = FeatureId {
-            is_of_first: penetration.sample_of_first,
-            index: penetration.sample.into(),
-        };
+        let feature = FeatureId { is_of_first, index: penetration.sample.into() };
         // Skip separating samples and samples beyond reach.
         let touches = phi <= 0.0 || phi < ahead * closing + pair_motion.near;
-        // Bodies that turn far may touch with another side than they have there now.
-        let is_beside = || !turns && pair_motion.is_beside(feature.is_of_first, &contact);
-        let touches = touches && !is_beside();
         touches.then_some(Candidate { feature, contact, phi, approach })
     };
     let mut candidates: Vec<Candidate> = penetrations.iter().filter_map(candidate).collect();

@@ -62,6 +62,13 @@ const BESIDE: f64 = 1e-2;
 /// thin discs. Their samples were then left out, and the discs fell through the ground.
 const THROUGH: f64 = 0.25;
 
+/// Change of the distance to a surface along a step and back, relative to the step, up to which it
+/// is flat there [1].
+const FLAT: f64 = 0.1;
+
+/// Cosine from which on two normals are the same [1]: 26 degrees, for samples of curved surfaces.
+const ALONG: f64 = 0.9;
+
 impl<'a> PairMotion<'a> {
     /// A pair with the given ballistic motion.
     #[inline]
@@ -162,19 +169,48 @@ impl<'a> PairMotion<'a> {
         if phi > 0.0 && closing > 0.0 { squared.max(0.0).sqrt() } else { closing.max(0.0) }
     }
 
-    /// True if a sample lies beside the other body's surface: its own body is on the outer side. On
-    /// two coincident edges the distance has the normals of both sides.
-    pub fn is_beside(&self, sample_of_first: bool, contact: &ContactPoint) -> bool {
+    /// The contact of a sample at a signed distance `phi` [m], as the surface of its own body allows.
+    /// Two flat places touch along their common normal alone, and a flat place meets an edge along
+    /// its own: a rim that slides over a floor does not catch on the floor's samples. `None` if the
+    /// two cannot touch there.
+    pub fn seen_from_own(
+        &self,
+        sample_of_first: bool,
+        contact: ContactPoint,
+        phi: f64,
+    ) -> Option<(ContactPoint, f64)> {
         let [first, second] = self.placed();
-        let (own, outward) =
-            if sample_of_first { (first, contact.normal) } else { (second, -contact.normal) };
+        let (own, other, sign) =
+            if sample_of_first { (first, second, 1.0) } else { (second, first, -1.0) };
+        let (point, outward) = (contact.point, sign * contact.normal);
         let (low, high) = own.shape.bounds;
         let step = (BESIDE * self.size).min(THROUGH * (high - low).min_element());
-        let body_from_world = own.pose.world_from_body().inverse();
-        let distance =
-            |point: DVec3| own.shape.distance_and_gradient(body_from_world.point(point)).0;
-        distance(contact.point + step * outward) - distance(contact.point) > 0.5 * step
+        let (here, own_normal) = distance_and_normal(own, point);
+        let [inside, outside] = [1.0, -1.0]
+            .map(|side| (distance_and_normal(own, point + side * step * outward).0 - here) / step);
+        // On coincident edges the distance has the normals of both sides.
+        if inside > 0.5 {
+            return None;
+        }
+        if (inside + outside).abs() > FLAT || outside > ALONG {
+            return Some((contact, phi));
+        }
+        let along = own_normal.reject_from_normalized(outward).normalize_or_zero();
+        let beside = [1.0, -1.0].map(|side| point + side * (step + phi.abs()) * along);
+        let turns_away = |at: DVec3| distance_and_normal(other, at).1.dot(outward) < ALONG;
+        if outside < 0.5 || !beside.into_iter().any(turns_away) {
+            return None;
+        }
+        Some((ContactPoint { point, normal: -sign * own_normal }, outside * phi))
     }
+}
+
+/// Signed distance of a point to a body [m], and its gradient; world frame.
+fn distance_and_normal(body: Placed, point: DVec3) -> (f64, DVec3) {
+    let world_from_body = body.pose.world_from_body();
+    let (distance, gradient) =
+        body.shape.distance_and_gradient(world_from_body.inverse().point(point));
+    (distance, world_from_body.direction(gradient))
 }
 
 /// Least extent of the thinner body [m]. Triangles have none that counts: bodies stay on their side.

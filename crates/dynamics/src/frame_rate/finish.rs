@@ -29,7 +29,7 @@ pub struct Solved {
     pub short_of_impacts: usize,
     /// Points of the pairs that were detected again within the frame.
     pub confirmed: BTreeMap<Pair, Vec<ManifoldPoint>>,
-    /// Largest impact of each pair with a body that may break.
+    /// Impacts of bodies that may break.
     pub impacts: Vec<Impact>,
 }
 
@@ -90,7 +90,7 @@ impl<I: Instructions> Group<I> {
         for (&manifold, points) in &self.speculative.points {
             solved.confirmed.insert(manifolds[manifold as usize].pair, points.clone());
         }
-        solved.impacts.extend(self.impacts.drain(..).map(|pair| pair.largest));
+        solved.impacts.append(&mut self.impacts);
         let accounts = &mut solved.accounts;
         let (momenta, cache) = self.book_contacts(bodies, manifolds, frame.dt, accounts);
         for line in 0..self.bodies.lines.len() {

@@ -2,7 +2,7 @@
 
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
-use super::impact_log::PairImpacts;
+use super::impact_log::Impact;
 use super::joint_lanes::companions;
 use super::restitution::{ImpactBudget, propagate_impacts};
 use super::slabs::{Slab, Slabs};
@@ -53,7 +53,7 @@ pub(super) struct Group<I> {
     touching: OnceCell<Touching>,
     pub(super) speculative: SpeculativeContacts,
     /// Impacts in the lanes of bodies that may break.
-    pub(super) impacts: Vec<PairImpacts>,
+    pub(super) impacts: Vec<Impact>,
     pub(super) budget: ImpactBudget,
     pub(super) substeps: u32,
     /// Length of a substep [s].

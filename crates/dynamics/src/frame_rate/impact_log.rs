@@ -8,19 +8,23 @@ use frangible_collision::ContactPoint;
 use frangible_math::{Instructions, Single};
 use glam::DVec3;
 
-/// An impact of a pair, where static bodies count as one: the impulses along one normal in a substep,
-/// or in several that follow each other.
+/// An impact of a pair, where static bodies count as one: the impulses along one normal in a substep.
+/// Or a blow: impacts close to each other in time, where the contact is of the hardest.
 #[derive(Clone, Copy, Debug)]
 pub struct Impact {
     /// The two that exchange most of the impulse.
     pub pair: Pair,
     /// On the first body, world frame [N s].
     pub impulse: DVec3,
+    /// What of it acted in frames before this one [N s].
+    pub earlier: DVec3,
     /// Start of its first substep, from the frame's start [s], and its number among the impacts of that
     /// substep and island group: a blow comes before what it causes.
     pub time: f64,
     /// See `time`.
     pub number: usize,
+    /// Mean time of its impulses, from the frame's start [s].
+    pub mean_time: f64,
     /// Where and along which normal, towards the first body, the impulse acts as it does, and the
     /// poses of both bodies then.
     pub contact: ContactPoint,
@@ -32,17 +36,6 @@ pub struct Impact {
     pub is_at_point: bool,
     /// Where the impulse acts at the poses of the frame's start, world frame [m].
     pub acts_at: DVec3,
-}
-
-/// Impacts of a pair along one normal.
-pub(super) struct PairImpacts {
-    /// Solver lines of the body, and of its partner or [`FIXED`](super::joint_lanes::FIXED).
-    pub(super) lines: [usize; 2],
-    /// The last one, with those of the substeps right before it, and the start of its last substep
-    /// [s].
-    pub(super) running: Impact,
-    pub(super) until: f64,
-    pub(super) largest: Impact,
 }
 
 /// Impulses in the impacts of a substep, for the lanes with breakable bodies.
@@ -61,25 +54,30 @@ pub(super) struct LaneImpact {
     pub(super) before: [f64; 3],
     /// Normal impulses of the points [N s].
     pub(super) impulses: [f64; MOST_POINTS],
+    /// Sum of the impulses, times when they act in the substep [N s^2].
+    pub(super) time_sum: f64,
 }
 
 impl ImpactLog {
     /// Notes the normal impulses of a lane's points, before they are booked or move its bodies,
-    /// which `bodies` has by solver line.
+    /// which `bodies` has by solver line. They act at `time` in the substep [s].
     pub(super) fn note<I: Instructions>(
         &mut self,
         batch: &ContactBatch<I>,
         lane: usize,
         bodies: [SolverBody; 2],
         impulses: [f64; MOST_POINTS],
+        time: f64,
     ) {
         let number = batch.constraints[lane];
+        let time_sum = time * impulses.iter().sum::<f64>();
         let known = self.entries.iter_mut().find(|entry| entry.number == number);
         if let Some(entry) = known {
             entry.impulses.iter_mut().zip(impulses).for_each(|(sum, impulse)| *sum += impulse);
+            entry.time_sum += time_sum;
         } else {
             let before = batch.frame_impulse.map(|along: Single<I>| along.get(lane));
-            self.entries.push(LaneImpact { number, bodies, before, impulses });
+            self.entries.push(LaneImpact { number, bodies, before, impulses, time_sum });
         }
     }
 }

@@ -149,7 +149,7 @@ impl JointImpact {
             let (batch, lane) = (&batches[place.batch()], place.lane());
             if batch.breakable.get(lane) {
                 let bodies = batch.lines().map(|lines| bodies.lines[lines[lane]]);
-                timeline.impacts.note(batch, lane, bodies, *impulses);
+                timeline.impacts.note(batch, lane, bodies, *impulses, when.into());
             }
         }
         for (side, &line) in movable.iter().enumerate() {

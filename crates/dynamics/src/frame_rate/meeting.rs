@@ -2,7 +2,7 @@
 
 use super::constraints::MOST_POINTS;
 use super::contact_batch::ContactBatch;
-use super::lane_bodies::LaneDisplacements;
+use super::lane_bodies::{LaneDisplacements, LaneVelocities};
 use super::sides::Sides;
 use super::solver_bodies::Lines;
 use super::substep::Substep;
@@ -10,6 +10,11 @@ use frangible_math::{Instructions, LANES, Mask, Single, Single3, Singles};
 
 /// Minimum closing speed in a time of impact [m/s].
 const LEAST_SPEED: f32 = 1e-9;
+
+/// Points no farther apart touch, relative to the larger body: they resist an impact at another point
+/// at once. Rounding lifts what rests by less, and a foot that felt the slam of the head a substep
+/// later took 1/9 off its blow, at 3000 Hz.
+const TOUCHING: f32 = 1e-3;
 
 /// Points of a batch that meet within a substep.
 pub(super) struct Meeting<I> {
@@ -54,6 +59,11 @@ impl<I: Instructions> ContactBatch<I> {
         let (mut time, mut first) = ([zero; MOST_POINTS], substep.h);
         let (mut meets, mut hits) = ([Mask::NONE; MOST_POINTS], Mask::NONE);
         let never = Single::same(f32::MAX);
+        let sizes = [0, 1].map(|side| {
+            let LaneVelocities { inverse_mass, radius, .. } = sides.of[side];
+            inverse_mass.above(zero).select(radius, zero)
+        });
+        let touching = sizes[0].max(sizes[1]) * Single::same(TOUCHING);
         let mut needs = never;
         for i in 0..self.point_count {
             let anchors = self.points[i].anchors;
@@ -68,9 +78,10 @@ impl<I: Instructions> ContactBatch<I> {
             let later = self.gravity * (substep.h - time[i]);
             let at_impact = velocity - later;
             let is_fast = substep.bounce_velocity.above(at_impact);
-            meets[i] = zero.above(separation + velocity * substep.h);
+            let gap = separation + velocity * substep.h;
+            meets[i] = touching.above(gap);
             target[i] = is_fast.select(later - self.restitution * at_impact, zero);
-            let hit = is_fast.and(meets[i]);
+            let hit = is_fast.and(zero.above(gap));
             first = hit.select(first.min(time[i]), first);
             hits = hits.or(hit);
             let to_meet = separation * substep.per_second + velocity;

@@ -249,7 +249,8 @@ impl<I: Instructions> ContactBatch<I> {
         let noted = hits.and(self.breakable);
         for lane in (0..LANES).filter(|&lane| noted.get(lane)) {
             let bodies = self.ids.map(|of_side| lines.bodies[of_side[lane] as usize]);
-            timeline.impacts.note(self, lane, bodies, impulses.map(|impulse| impulse.get(lane)));
+            let of_lane = impulses.map(|impulse| impulse.get(lane));
+            timeline.impacts.note(self, lane, bodies, of_lane, when.get(lane));
         }
         let acting = (sum, &impulses, twist_arm);
         let (friction, slip) = self.rub_impact(&mut sides, &at, acting);

@@ -98,7 +98,7 @@ pub struct Strike {
     pub time: f64,
     /// Contact at the frame's start, with the normal towards the first body.
     pub contact: ContactPoint,
-    /// Part of the impact up to the smaller strength, on the first body [N s].
+    /// Part of the impact up to the smaller strength that has not acted yet, on the first body [N s].
     pub impulse: DVec3,
     /// One for each body that breaks.
     pub blows: [Option<Blow>; 2],
@@ -113,14 +113,15 @@ pub fn strikes(bodies: &Bodies, mut impacts: Vec<Impact>, local: LocalStrength) 
     });
     let mut strikes = Vec::new();
     for impact in impacts {
-        let Impact { pair, time, impulse, contact, acts_at, .. } = impact;
+        let Impact { pair, time, impulse, earlier, contact, acts_at, .. } = impact;
         let size = impulse.length();
         let blows = blows_of(bodies, pair, (acts_at, size), local, || touch(bodies, &impact));
         let Some(borne) = blows.iter().flatten().map(|blow| blow.borne).reduce(f64::min) else {
             continue;
         };
         let contact = ContactPoint { point: acts_at, normal: contact.normal };
-        strikes.push(Strike { pair, time, contact, impulse: impulse * (borne / size), blows });
+        let impulse = impulse * (borne / size) - earlier;
+        strikes.push(Strike { pair, time, contact, impulse, blows });
     }
     strikes
 }

@@ -24,7 +24,7 @@ use frangible_bodies::{
     SurfaceProperties, Velocity,
 };
 use frangible_collision::{BirthFits, ContactCache, ImpulseCache};
-use frangible_dynamics::Ledger;
+use frangible_dynamics::{Ledger, RecentImpacts};
 use frangible_geometry::Shape;
 use frangible_math::RigidTransform;
 use glam::DVec3;
@@ -60,6 +60,7 @@ impl World {
             ledger: Ledger::default(),
             method: scene.method,
             warm: ImpulseCache::default(),
+            recent_impacts: RecentImpacts::default(),
             contact_cache: ContactCache::default(),
             fits: BirthFits::default(),
             spared: Vec::new(),

@@ -27,6 +27,7 @@ impl Check for World {
         self.books.check()?;
         self.ledger.check()?;
         self.warm.check()?;
+        self.recent_impacts.check()?;
         self.contact_cache.check()?;
         self.fits.check()?;
         require(self.spared.is_empty(), "an instant between two frames")?;

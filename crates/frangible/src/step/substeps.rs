@@ -32,11 +32,12 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
         let start = may_break.then(|| FrameStart::of(world));
         let mut solved = solve_frame(world, &fractures, &accounts, frame, clock);
         let impacts = std::mem::take(&mut solved.impacts);
+        let (blows, mut recent) = world.recent_impacts.blows(&world.bodies, impacts, frame.dt);
         if let (0, Some(start)) = (passes, &start) {
-            borne = nearest_to_break(world, &start.bodies, &impacts);
+            borne = nearest_to_break(world, &start.bodies, &blows);
         }
         let broken = start
-            .map_or(Vec::new(), |start| break_struck(world, start, impacts, &mut accounts, frame));
+            .map_or(Vec::new(), |start| break_struck(world, start, blows, &mut accounts, frame));
         clock.lap("break_bodies");
         if !broken.is_empty() {
             fractures.extend(broken);
@@ -44,6 +45,8 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
             continue;
         }
 
+        recent.keep(&world.bodies);
+        world.recent_impacts = recent;
         note_carried(world, &solved.glued_forces);
         accounts.add(solved.accounts);
         return Moved {
@@ -63,9 +66,9 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
 }
 
 /// Of the blows to bodies that may break the one that is largest relative to what its body bears.
-fn nearest_to_break(world: &World, start: &Bodies, impacts: &[Impact]) -> Option<BorneBlow> {
+fn nearest_to_break(world: &World, start: &Bodies, blows: &[Impact]) -> Option<BorneBlow> {
     let local = |bodies: &Bodies, i, at| bears_at(bodies, &world.labels, i, at);
-    let Bearing { body, striker, point, impulse, bears } = hardest_blow(start, impacts, &local)?;
+    let Bearing { body, striker, point, impulse, bears } = hardest_blow(start, blows, &local)?;
     Some(BorneBlow {
         body: id_number(start.ids[body]),
         name: world.labels[body].name.clone(),
@@ -167,12 +170,12 @@ fn solve_frame(
 fn break_struck(
     world: &mut World,
     start: FrameStart,
-    impacts: Vec<Impact>,
+    blows: Vec<Impact>,
     accounts: &mut FrameAccounts,
     frame: &Frame,
 ) -> Vec<Fracture> {
     let local = |bodies: &Bodies, i, at| bears_at(bodies, &world.labels, i, at);
-    let strikes = strikes(&start.bodies, impacts, &local);
+    let strikes = strikes(&start.bodies, blows, &local);
     if strikes.is_empty() {
         return Vec::new();
     }

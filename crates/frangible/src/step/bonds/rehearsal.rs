@@ -160,6 +160,7 @@ impl Stage {
             ledger: Default::default(),
             method: world.method,
             warm: Default::default(),
+            recent_impacts: Default::default(),
             contact_cache: Default::default(),
             fits: Default::default(),
             spared: Vec::new(),

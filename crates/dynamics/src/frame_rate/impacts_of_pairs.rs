@@ -1,9 +1,9 @@
-//! Largest impacts of pairs with a breakable body: what a body meets at once along one normal, which
-//! is a blow if it exceeds its strength [Su09 sec. 4.2].
+//! Impacts of pairs with a breakable body: what a body meets in a substep along one normal
+//! [Su09 sec. 4.2].
 
 use super::constraints::SAME_NORMAL;
 use super::group::Group;
-use super::impact_log::{Impact, ImpactLog, LaneImpact, PairImpacts};
+use super::impact_log::{Impact, ImpactLog, LaneImpact};
 use super::joint_lanes::FIXED;
 use super::solver_bodies::SolverBody;
 use frangible_bodies::{Bodies, Motion, Pair};
@@ -22,16 +22,17 @@ struct Joint {
     /// Sums of the points, times their normal impulses [N s m]: from the body's centre at the
     /// impact, and in the world frame at the frame's start.
     at_sums: [DVec3; 2],
-    /// Sum of the normal impulses [N s], and number of points with any.
+    /// Sum of the normal impulses [N s], and of these times when they act in the substep [N s^2];
+    /// and number of points with any.
     weight: f64,
+    time_sum: f64,
     points: usize,
     /// The entry with the largest normal impulse, and that impulse [N s].
     largest: (usize, f64),
 }
 
 impl<I: Instructions> Group<I> {
-    /// Takes the impacts of the substep that begins at `time` [s]; each pair keeps its largest along
-    /// each normal.
+    /// Takes the impacts of the substep that begins at `time` [s], one for each pair and normal.
     pub(super) fn keep_impacts(
         &mut self,
         log: &mut ImpactLog,
@@ -46,30 +47,7 @@ impl<I: Instructions> Group<I> {
         // In the order of their first lanes.
         for (number, joint) in joints.iter().enumerate() {
             let impact = self.impact_of(joint, &entries, (bodies, manifolds), (time, number));
-            self.keep(joint.lines, impact, time);
-        }
-    }
-
-    /// Keeps an impact of the substep that begins at `time` [s], as a part of the one before it or
-    /// by itself.
-    fn keep(&mut self, lines: [usize; 2], impact: Impact, time: f64) {
-        let normal = impact.contact.normal;
-        let is_along = |pair: &&mut PairImpacts| {
-            pair.lines == lines && pair.running.contact.normal.dot(normal) > SAME_NORMAL
-        };
-        let Some(pair) = self.impacts.iter_mut().find(is_along) else {
-            self.impacts.push(PairImpacts { lines, running: impact, until: time, largest: impact });
-            return;
-        };
-        if time - pair.until < 1.5 * self.h {
-            pair.running.impulse += impact.impulse;
-            pair.running.is_at_point &= impact.is_at_point;
-        } else {
-            pair.running = impact;
-        }
-        pair.until = time;
-        if pair.running.impulse.length() > pair.largest.impulse.length() {
-            pair.largest = pair.running;
+            self.impacts.push(impact);
         }
     }
 
@@ -117,6 +95,7 @@ impl<I: Instructions> Group<I> {
         if let Some(joint) = joints.iter_mut().find(is_along) {
             joint.impulse += impulse;
             joint.weight += weight;
+            joint.time_sum += entry.time_sum;
             joint.points += points;
             joint.at_sums.iter_mut().zip(at_sums).for_each(|(sum, of_lane)| *sum += of_lane);
             if weight > joint.largest.1 {
@@ -124,7 +103,17 @@ impl<I: Instructions> Group<I> {
             }
         } else {
             let largest = (at, weight);
-            joints.push(Joint { lines, normal, impulse, at_sums, weight, points, largest });
+            let time_sum = entry.time_sum;
+            joints.push(Joint {
+                lines,
+                normal,
+                impulse,
+                at_sums,
+                weight,
+                time_sum,
+                points,
+                largest,
+            });
         }
     }
 
@@ -151,8 +140,10 @@ impl<I: Instructions> Group<I> {
         Impact {
             pair,
             impulse: sign * joint.impulse,
+            earlier: DVec3::ZERO,
             time,
             number,
+            mean_time: time + joint.time_sum / joint.weight,
             contact: ContactPoint { point, normal: sign * joint.normal },
             poses,
             poses_past,
