@@ -192,14 +192,21 @@ impl<'a> PairMotion<'a> {
         if inside > 0.5 {
             return None;
         }
-        if (inside + outside).abs() > FLAT || outside > ALONG {
+        // What is deeper than by grazing comes out the nearest way.
+        if phi < -self.grazing() || (inside + outside).abs() > FLAT || outside > ALONG {
             return Some((contact, phi));
         }
         let along = own_normal.reject_from_normalized(outward).normalize_or_zero();
         let beside = [1.0, -1.0].map(|side| point + side * (step + phi.abs()) * along);
         let turns_away = |at: DVec3| distance_and_normal(other, at).1.dot(outward) < ALONG;
-        if outside < 0.5 || !beside.into_iter().any(turns_away) {
+        // On a grid, edges are round: a place that seems flat may be one.
+        let is_exact = !matches!(own.shape.geometry, Geometry::Grid(_));
+        let is_edge = beside.into_iter().any(turns_away);
+        if outside < 0.5 || is_exact && !is_edge {
             return None;
+        }
+        if !is_edge {
+            return Some((contact, phi));
         }
         Some((ContactPoint { point, normal: -sign * own_normal }, outside * phi))
     }
