@@ -9,9 +9,12 @@ use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// An impact is forgotten after this time [s]. Two substeps of a frame of 1/24 s are 5 ms apart. With
-/// windows of a substep a wall that fell on its face bore blows of 1 at 1000 Hz and of 1.33 at 60.
-const MEMORY: f64 = 0.016;
+/// Impacts no farther apart act as one [s]: two substeps of a frame of 1/24 s are 5 ms apart.
+const AS_ONE: f64 = 0.005;
+
+/// An impact is forgotten after this time [s]. With windows of a substep a wall that fell on its face
+/// bore blows of 1 at 1000 Hz and of 1.33 at 60.
+const MEMORY: f64 = 0.02;
 
 /// Impacts of the last milliseconds before a frame.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -72,8 +75,8 @@ impl Recent {
     /// Share of its impulse that counts in a blow which a later impact ends [1].
     fn share_in(&self, later: &Self) -> f64 {
         let is_along = self.bodies == later.bodies && self.normal.dot(later.normal) > SAME_NORMAL;
-        let remembered = 1.0 - (later.time - self.time) / MEMORY;
-        if is_along { remembered.max(0.0) } else { 0.0 }
+        let remembered = (MEMORY - (later.time - self.time)) / (MEMORY - AS_ONE);
+        if is_along { remembered.clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 
