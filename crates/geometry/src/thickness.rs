@@ -172,7 +172,9 @@ fn way_to(foot: &Foot, center: DVec3, ball: Ball, (direction, slope): (DVec3, f6
     let across = (center - foot.point).dot(foot.normal).abs();
     if across >= foot.distance.abs() * (1.0 - 1e-9) {
         let height = (foot.point - ball.center).dot(foot.normal) - ball.radius;
-        return height / (slope + foot.normal.dot(direction));
+        // A plane that the ball does not come nearer to says nothing.
+        let rate = slope + foot.normal.dot(direction);
+        return if rate > 0.0 { height / rate } else { 0.0 };
     }
     // |center + way direction - point| = radius + slope way.
     let from = ball.center - foot.point;
@@ -243,4 +245,19 @@ fn least_in_hull(vectors: &[DVec3]) -> DVec3 {
         }
     }
     DVec3::ZERO
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball that grows while it moves away from a wall as fast: the wall bounds no way.
+    #[test]
+    fn walls_that_stay_as_near_bound_no_way() {
+        let ball = Ball { center: DVec3::Y, radius: 1.0 };
+        let direction = DVec3::new(0.75_f64.sqrt(), -0.5, 0.0);
+        let foot = Foot { point: 2.0 * DVec3::Y, normal: DVec3::Y, distance: 1.0 };
+        let way = way_to(&foot, DVec3::Y, ball, (direction, 0.5));
+        assert!(way >= 0.0 && way.is_finite(), "{way}");
+    }
 }
