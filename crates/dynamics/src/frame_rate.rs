@@ -105,7 +105,7 @@ impl Kernel for Solve<'_> {
         let room = || vec![NOWHERE; bodies.len()];
         let groups = threads::map_with(islands.bundles, manifolds.len(), room, of_bundle);
         for group in groups {
-            solved.short_of_impacts += usize::from(group.budget.is_short());
+            solved.short_of_impacts += usize::from(group.is_short());
             parts.push(group.write_back(bodies, manifolds, frame, &mut solved));
         }
         let from = (start.poses(), &islands.substeps[..]);

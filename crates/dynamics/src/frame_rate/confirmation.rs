@@ -5,6 +5,7 @@
 use super::constraints::{SAME_NORMAL, Selection, Source};
 use super::group::Group;
 use super::solver_bodies::SolverBodies;
+use super::touching::Place;
 use frangible_bodies::{BallisticPath, Bodies, Frame, Motion, Pair};
 use frangible_collision::{FixedNeighbours, Manifold, ManifoldFinder, ManifoldPoint, PairMotion};
 use frangible_math::{Instructions, threads};
@@ -15,13 +16,19 @@ use glam::{DVec3, Vec3};
 /// 99th percentile of frame 40, with this value by 12.1, with 2.5 by 12.5.
 const WIDER: f64 = 1.25;
 
+/// Detections in a frame for each manifold, and at least in all [1]. The crowds of `rain-25` ask for
+/// 3.3. Without a bound 309 pieces that an impact spun in one place asked for 70, in 6 s.
+const LOOKS: usize = 4;
+const LEAST_LOOKS: usize = 4096;
+
 /// Pairs per task: a tenth of a millisecond of work.
 const SHARE: usize = 32;
 
 impl<I: Instructions> Group<I> {
     /// Detects the pairs of all asking lanes again, with `time_left` [s] of the frame, and
     /// velocities without `kick` [m/s], gravity's of a substep that contacts have not answered yet.
-    /// Returns the batches with new constraints.
+    /// Returns the batches with new constraints. Once the frame has had its number of detections, the
+    /// lanes act as they were first seen.
     pub(super) fn confirm(
         &mut self,
         bodies: &Bodies,
@@ -30,17 +37,26 @@ impl<I: Instructions> Group<I> {
         frame: &Frame,
     ) -> Vec<usize> {
         let mut asked = Vec::new();
+        let mut unseen = Vec::new();
         for at in self.speculative.asking.take() {
             let batch = &mut self.batches[at];
             for lane in batch.take_asking() {
-                asked.push(self.selections[batch.constraints[lane] as usize].manifold);
+                if self.looks > 0 {
+                    asked.push(self.selections[batch.constraints[lane] as usize].manifold);
+                } else {
+                    batch.unconfirmed.set(lane, false);
+                    self.speculative.confirmed.push(Place::new(at, lane));
+                    unseen.push(at);
+                }
             }
         }
         if asked.is_empty() {
-            return Vec::new();
+            unseen.dedup();
+            return unseen;
         }
         asked.sort_unstable();
         asked.dedup();
+        self.looks = self.looks.saturating_sub(asked.len());
 
         let substep = Frame { dt: self.h, ..*frame };
         let (selections, solver_bodies) = (&self.selections, &self.bodies);
@@ -159,6 +175,11 @@ impl<I: Instructions> Group<I> {
             stays
         });
     }
+}
+
+/// Detections of a group in a frame, of so many manifolds.
+pub(super) fn looks_of_frame(manifolds: usize) -> usize {
+    (LOOKS * manifolds).max(LEAST_LOOKS)
 }
 
 /// Index of the first constraint of a manifold.

@@ -1,5 +1,6 @@
 //! Islands with equal substep counts: graph colouring of their constraints, and the substep loop.
 
+use super::confirmation::looks_of_frame;
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::impact_log::Impact;
@@ -55,6 +56,8 @@ pub(super) struct Group<I> {
     /// Impacts in the lanes of bodies that may break.
     pub(super) impacts: Vec<Impact>,
     pub(super) budget: ImpactBudget,
+    /// Pairs that may still be detected again in the frame.
+    pub(super) looks: usize,
     pub(super) substeps: u32,
     /// Length of a substep [s].
     pub(super) h: f64,
@@ -145,6 +148,7 @@ impl<I: Instructions> Group<I> {
             speculative,
             impacts: Vec::new(),
             budget,
+            looks: looks_of_frame(members.len()),
             substeps,
             h,
         }
@@ -203,6 +207,11 @@ impl<I: Instructions> Group<I> {
                 |batch, lines| batch.solve::<false>(lines, &substep),
             );
         }
+    }
+
+    /// True if the frame had no time left for some of its impacts or detections.
+    pub(super) fn is_short(&self) -> bool {
+        self.budget.is_short() || self.looks == 0
     }
 
     /// Finds the speculative contacts that would act in this substep.

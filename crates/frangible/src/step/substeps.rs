@@ -18,6 +18,11 @@ use frangible_dynamics::{
 use glam::DVec3;
 use std::collections::BTreeSet;
 
+/// Pairs near each other up to which a frame in which something broke may break more: where the
+/// crowds are larger, the next frame does. With all passes 400 pieces of three generations, as they
+/// burst, took 4 s for a frame.
+const MOST_AGAIN: usize = 4096;
+
 /// Moves all bodies from x^n, v^n to x^{n+1}, v^{n+1}. What the impacts of the frame break, breaks at
 /// its start [Su09 sec. 4.2], and the frame is done again: fragments meet their striker in the
 /// frame that made them, and break in turn.
@@ -26,9 +31,11 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
     let mut fractures: Vec<Fracture> = Vec::new();
     let mut borne = None;
     let mut passes = 0;
+    let mut may_break_more = true;
     loop {
         take_out_faulty(world, &mut quarantined);
-        let may_break = passes < frame.settings.breaking_passes && world.may_break();
+        let may_break =
+            may_break_more && passes < frame.settings.breaking_passes && world.may_break();
         let start = may_break.then(|| FrameStart::of(world));
         let mut solved = solve_frame(world, &fractures, &accounts, frame, clock);
         let impacts = std::mem::take(&mut solved.impacts);
@@ -42,6 +49,7 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
         if !broken.is_empty() {
             fractures.extend(broken);
             passes += 1;
+            may_break_more = solved.pairs <= MOST_AGAIN;
             continue;
         }
 
@@ -104,6 +112,8 @@ struct SolvedFrame {
     /// Loads of bonds in the next frame.
     glued_forces: Vec<ContactForce>,
     impacts: Vec<Impact>,
+    /// Number of pairs near each other.
+    pairs: usize,
 }
 
 /// Detects contacts and runs the substeps. `fractures` and `accounts` are those of the frame so far.
@@ -151,6 +161,7 @@ fn solve_frame(
     let glued_forces = glued_contact_forces(bodies, labels, &manifolds, warm);
     clock.lap("solve");
     let left_out = swept.left_out;
+    let pairs = manifolds.len();
     SolvedFrame {
         contact_free,
         gravity,
@@ -162,6 +173,7 @@ fn solve_frame(
         hit,
         glued_forces,
         impacts,
+        pairs,
     }
 }
 
