@@ -11,7 +11,9 @@ import numpy as np
 
 from ..recording import Float64, Recording, rotation_matrix
 from ..stage_camera import StageCamera
+from .fit import best_place
 from .framing import Subject, find_subject
+from .sight import Moment, find_moments
 
 #: Vertical opening of the lens [degrees]: a short telephoto, which keeps uprights upright.
 FIELD_OF_VIEW_DEGREES = 28.0
@@ -24,8 +26,8 @@ PIT = 0.5
 THIN = 0.8
 #: Factor on the subject's extent in the picture.
 MARGIN = 1.08
-#: Places that are checked for whether something hides them, about.
-HIDEABLE = 60
+#: The first side is taken from which what happens is at least so large as from the best one.
+ALIKE = 0.84
 #: The choice of the camera of the stage that a scene came from.
 STAGE = "stage"
 #: A file about a camera that is larger than this holds something else [bytes].
@@ -100,24 +102,20 @@ class Camera:
 def frame_recording(recording: Recording, aspect: float) -> Camera:
     """One camera for every frame, ``aspect`` wide for its height.
 
-    It sees what moves or breaks in all frames, but for what comes from far away or goes astray
-    (docs/films.md).
+    It stands where what moves or breaks is seen, and near it (docs/films.md).
     """
     subject = find_subject(recording)
-    # The first from which nothing in between hides more than from the others.
-    best, least = None, np.inf
+    moments = find_moments(recording, subject.bodies) if subject.bodies else []
+    sides = _sides(subject)
+    cameras: list[Camera] = []
     for height in HEIGHTS:
-        for front, side in _sides(subject):
-            camera = _from_side(subject, height, front, side, aspect)
-            hidden = round(_hidden(subject, camera), 1)
-            if best is None or hidden < least:
-                best, least = camera, hidden
-            if hidden == 0.0:
-                return camera
-        if least < PIT:
+        cameras += [_from_side(subject, height, *side, aspect) for side in sides]
+        seen = [_seen(camera, moments, aspect) for camera in cameras]
+        if max(share for share, _ in seen) >= 1.0 - PIT:
             break
-    assert best is not None
-    return best
+    # The first of those that see about the most.
+    sizes = np.array([size for _, size in seen])
+    return cameras[int(np.argmax(sizes >= ALIKE * sizes.max()))]
 
 
 def _from_side(
@@ -131,21 +129,11 @@ def _from_side(
     right /= np.linalg.norm(right)
     axes = np.array([right, np.cross(right, forward), forward])
 
-    # Slide sideways until opposite margins are equal, then back until everything is inside them.
-    boxes = subject.boxes
-    middle = boxes.around().centres[0]
-    centres, halves = boxes.centres - middle, (boxes.high - boxes.low) / 2
-    place = np.zeros(3)
-    retreats = []
-    for axis, slope in ((0, half_height * aspect / MARGIN), (1, half_height / MARGIN)):
-        # The planes of two opposite margins touch the boxes.
-        first, second = axes[axis] - slope * axes[2], axes[axis] + slope * axes[2]
-        high = np.max(centres @ first + halves @ np.abs(first))
-        low = np.min(centres @ second - halves @ np.abs(second))
-        place[axis] = (high + low) / 2
-        retreats.append((low - high) / (2 * slope))
-    place[2] = min(retreats)
-    return Camera(eye=middle + place @ axes, axes=axes, half_height=half_height, target=middle)
+    slopes = np.array([half_height * aspect, half_height]) / MARGIN
+    place = subject.middle + best_place(subject, axes, slopes) @ axes
+    # Lamp and haze go by the distance to what it looks at.
+    depth = float((subject.middle - place) @ forward)
+    return Camera(eye=place, axes=axes, half_height=half_height, target=place + depth * forward)
 
 
 def _sides(subject: Subject) -> list[tuple[Float64, float]]:
@@ -162,20 +150,19 @@ def _sides(subject: Subject) -> list[tuple[Float64, float]]:
     return [(way, side) for way in (best, -best, beside, -beside) for side in (1.0, -1.0)]
 
 
-def _hidden(subject: Subject, camera: Camera) -> float:
-    """Share of the subject's parts that boxes around other bodies hide."""
-    places, others = subject.middles, subject.others
-    if not len(others.low):
-        return 0.0
-    ways = places[:: -(-len(places) // HIDEABLE)] - camera.eye
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # (k, b, 2, 3) where the lines of sight cross the planes of the boxes' sides.
-        sides = np.stack([others.low, others.high], axis=1) - camera.eye
-        crossings = sides / ways[:, None, None, :]
-    enter = np.nanmax(np.nanmin(crossings, axis=2), axis=2)
-    leave = np.nanmin(np.nanmax(crossings, axis=2), axis=2)
-    blocked = (enter <= leave) & (leave > 0.0) & (enter < 0.99)
-    return float(blocked.any(axis=1).mean())
+def _seen(camera: Camera, moments: list[Moment], aspect: float) -> tuple[float, float]:
+    """The share of what happens that nothing still hides, and how large what nothing hides is in
+    the picture, on average."""
+    total = free = size = 0.0
+    for moment in moments:
+        hidden = moment.hidden(camera.eye)
+        across, up, depth = ((moment.places - camera.eye) @ camera.axes.T).T
+        within = np.maximum(np.abs(across) / aspect, np.abs(up)) <= camera.half_height * depth
+        shown = within & ~hidden.any(axis=1)
+        total += float(moment.weights.sum())
+        free += float(moment.weights @ ~hidden[:, moment.still].any(axis=1))
+        size += float((moment.weights[shown] / depth[shown]).sum())
+    return (free / total, size / total) if total > 0.0 else (1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,7 +204,7 @@ def camera_for(recording: Recording, choice: str, aspect: float) -> Camera | Mov
         return frame_recording(recording, aspect)
     if choice == STAGE or choice.startswith(f"{STAGE}:"):
         camera = _of_stage(recording.convention.cameras, choice)
-        middle = find_subject(recording).boxes.around().centres[0]
+        middle = find_subject(recording).middle
         return MovingCamera(camera, recording.fps, aspect, middle)
     return read_camera(choice)
 

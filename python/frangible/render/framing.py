@@ -19,9 +19,12 @@ CORE, FAR = 2 / 3, 2.0
 MOST, COST = 0.75, 0.75
 #: Bodies are followed as long as the picture at first is at least this part of the whole one, or
 #: a typical body that stays whole is at least that part. All falls are followed.
-FIRST, SMALLEST = 1 / 3, 1 / 18
+FIRST, SMALLEST = 0.4, 1 / 18
 #: What stands still is seen whole if it makes the picture at most so many times as large.
 BESIDE = 1.5
+#: A part of a way counts by the body's size and by how far it goes there, up to that size, and
+#: what rests as if it went so much of its size.
+REST = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,17 +84,28 @@ class Boxes:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """The boxes that the camera must see, world frame."""
+    """The boxes that the camera should see, world frame."""
 
-    boxes: Boxes
-    #: (n, 3) middles of parts of it, which nothing should hide [m].
-    middles: Float64
+    #: Where it is at first and what stands beside it, which the camera must see.
+    first: Boxes
+    #: Parts of its ways, (n,) which frames each is about, by a number, how much it counts, and
+    #: whether it is of a body that never breaks nor comes from one that did.
+    ways: Boxes
+    times: Int64
+    weights: Float64
+    whole: Bool
     #: (3,) its extents at first [m].
     extents: Float64
     #: (3,) how far its parts are from where it was at first, on average [m].
     drift: Float64
-    #: Boxes around everything that stands still.
-    others: Boxes
+    #: What moves or breaks.
+    bodies: list[Body]
+
+    @property
+    def middle(self) -> Float64:
+        """(3,) of all boxes [m]."""
+        middle: Float64 = self.first.joined(self.ways).around().centres[0]
+        return middle
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +117,11 @@ class _Ways:
     #: (n,) index of the body, in order, and the part's first frame.
     body: Int64
     frame: Int64
+    #: (n,) how much each counts [m].
+    weights: Float64
 
     def __getitem__(self, rows: Int64 | Bool) -> _Ways:
-        return _Ways(self.boxes[rows], self.body[rows], self.frame[rows])
+        return _Ways(self.boxes[rows], self.body[rows], self.frame[rows], self.weights[rows])
 
     def lives(self) -> Boxes:
         """(b,) one box for each body, around all of its parts."""
@@ -120,12 +136,13 @@ def find_subject(recording: Recording) -> Subject:
     bodies = acting or [body for body in solid if body.moves] or solid
     if not bodies:
         floor = Boxes(np.array([[-1.0, 0.0, -1.0]]), np.ones((1, 3)))
-        return Subject(floor, floor.centres, np.ones(3), np.zeros(3), _places([]))
+        one = np.ones(1)
+        return Subject(floor, floor, one.astype(int), one, one > 0, np.ones(3), np.zeros(3), [])
 
     begin = min(body.birth_frame for body in bodies)
     early = [body for body in bodies if body.birth_frame == begin]
     places = _places(early)
-    is_there = _close(places, _sizes(early))
+    is_there = _close(places, body_sizes(early))
     visitors = {body.id for body, there in zip(early, is_there, strict=True) if not there}
     bodies = [body for body in bodies if body.id not in visitors]
     places = places[is_there]
@@ -137,16 +154,24 @@ def find_subject(recording: Recording) -> Subject:
     whole = [body for body in whole if body.source not in broken]
     largest = float(first.sizes()[0]) / FIRST
     if whole:
-        largest = max(largest, float(np.median(_sizes(whole))) / SMALLEST)
+        largest = max(largest, float(np.median(body_sizes(whole))) / SMALLEST)
     is_early = np.array([body.birth_frame == begin for body in bodies])
-    boxes = places[is_main[is_early]].joined(_followed(ways[is_main[ways.body]], first, largest))
-    boxes = boxes if len(boxes.low) else first
+    at_first = places[is_main[is_early]]
+    at_first = at_first if len(at_first.low) else first
+    main = ways[is_main[ways.body]]
+    followed = main[_followed(main, first, largest)]
 
     still = [body for body in solid if body.alive(begin) and not body.moves]
     others = _places([body for body in still if body.source not in broken])
-    seen = boxes.joined(others[others.fitting(boxes.around(), BESIDE)])
+    boxes = at_first.joined(followed.boxes)
+    seen = at_first.joined(others[others.fitting(boxes.around(), BESIDE)])
     drift = (boxes.centres - first.centres).mean(axis=0)
-    return Subject(seen, boxes.centres, (first.high - first.low)[0], drift, others)
+    extents = (first.high - first.low)[0]
+    times = followed.frame // _stride(recording.frames)
+    is_whole = np.array([body.source not in broken for body in bodies])[followed.body]
+    return Subject(
+        seen, followed.boxes, times, followed.weights, is_whole, extents, drift, bodies
+    )
 
 
 def _close(places: Boxes, sizes: Float64) -> Bool:
@@ -162,7 +187,7 @@ def _main(lives: Boxes, bodies: list[Body], first: Boxes) -> Bool:
     """(b,) which bodies do not go astray."""
     # The nearest fragments of each body, and their box.
     family = np.unique([body.source for body in bodies], return_inverse=True)[1]
-    masses, sizes = np.array([_mass(body) for body in bodies]), _sizes(bodies)
+    masses, sizes = np.array([_mass(body) for body in bodies]), body_sizes(bodies)
     order = np.lexsort((lives.reach(first), family))
     start = np.flatnonzero(np.diff(family[order], prepend=-1))
     nearer = np.cumsum(masses[order]) - masses[order]
@@ -186,15 +211,15 @@ def _mass(body: Body) -> float:
     return float(np.prod(np.ptp(body.vertices, axis=0))) if held else body.mass
 
 
-def _followed(ways: _Ways, first: Boxes, largest: float) -> Boxes:
-    """The boxes before the picture gets larger than so much [m], but for falls."""
-    boxes = ways.boxes[np.argsort(ways.frame, kind="stable")]
-    pictures = boxes.grown(first)
+def _followed(ways: _Ways, first: Boxes, largest: float) -> Int64:
+    """The parts before the picture gets larger than so much [m], but for falls."""
+    order = np.argsort(ways.frame, kind="stable")
+    pictures = ways.boxes[order].grown(first)
     pictures.low[:, 1] = first.low[0, 1]
-    return boxes[pictures.sizes() <= largest]
+    return order[pictures.sizes() <= largest]
 
 
-def _sizes(bodies: list[Body]) -> Float64:
+def body_sizes(bodies: list[Body]) -> Float64:
     """(b,) diagonals of the bodies' boxes [m]."""
     return np.array([np.linalg.norm(np.ptp(body.vertices, axis=0)) for body in bodies])
 
@@ -211,14 +236,14 @@ def _places(bodies: list[Body]) -> Boxes:
     """(b,) where bodies are in their first frames."""
     if not bodies:
         return Boxes(np.zeros((0, 3)), np.zeros((0, 3)))
-    around = _around(_corners(bodies), np.array([body.orientations[0] for body in bodies]))
+    around = _around(body_corners(bodies), np.array([body.orientations[0] for body in bodies]))
     positions = np.array([body.positions[0] for body in bodies])
     return Boxes(positions + around.low, positions + around.high)
 
 
 def _ways(bodies: list[Body], frames: int) -> _Ways:
     """The ways of bodies through a film of so many frames."""
-    stride = max(1, -(-frames // PARTS))
+    stride = _stride(frames)
     counts = np.array([len(body.positions) for body in bodies])
     parts = -(-counts // stride)
     row = np.repeat(np.arange(len(bodies)), parts)
@@ -229,17 +254,25 @@ def _ways(bodies: list[Body], frames: int) -> _Ways:
     positions = np.concatenate([body.positions for body in bodies])
     orientations = np.concatenate([body.orientations for body in bodies])
     # How a body turns within a part is known from both ends.
-    corners = _corners(bodies)[row]
+    corners = body_corners(bodies)[row]
     ends = _around(corners, orientations[first]), _around(corners, orientations[last])
     boxes = Boxes(
         np.minimum.reduceat(positions, first) + np.minimum(ends[0].low, ends[1].low),
         np.maximum.reduceat(positions, first) + np.maximum(ends[0].high, ends[1].high),
     )
     births = np.array([body.birth_frame for body in bodies])
-    return _Ways(boxes, row, births[row] + start)
+    sizes = body_sizes(bodies)[row]
+    gone = np.linalg.norm(positions[last] - positions[first], axis=1)
+    weights = np.maximum(np.minimum(gone, sizes), REST * sizes)
+    return _Ways(boxes, row, births[row] + start, weights)
 
 
-def _corners(bodies: list[Body]) -> Float64:
+def _stride(frames: int) -> int:
+    """Frames in a part of a way."""
+    return max(1, -(-frames // PARTS))
+
+
+def body_corners(bodies: list[Body]) -> Float64:
     """(b, 2, 3) corners of the bodies' boxes, body frame [m]."""
     both = [(body.vertices.min(axis=0), body.vertices.max(axis=0)) for body in bodies]
     return np.array(both, np.float64)
@@ -247,13 +280,13 @@ def _corners(bodies: list[Body]) -> Float64:
 
 def _around(corners: Float64, orientations: Float64) -> Boxes:
     """(n,) boxes around bodies with such corners (n, 2, 3), from their positions."""
-    matrices = _matrices(orientations)
+    matrices = rotation_matrices(orientations)
     centres = np.einsum("nij,nj->ni", matrices, corners.mean(axis=1))
     halves = np.einsum("nij,nj->ni", np.abs(matrices), np.ptp(corners, axis=1) / 2)
     return Boxes(centres - halves, centres + halves)
 
 
-def _matrices(orientations: Float64) -> Float64:
+def rotation_matrices(orientations: Float64) -> Float64:
     """(n, 3, 3) rotations of unit quaternions (n, 4), x, y, z, w."""
     x, y, z, w = orientations.T
     rows = [
