@@ -266,6 +266,16 @@ def test_the_camera_stands_where_bricks_fly_out_of_a_wall_that_stands() -> None:
     assert np.ptp(on_picture(camera, corners(left, 10)), axis=0).max() > 2.0 * 0.6
 
 
+def test_fragments_that_never_move_are_all_seen() -> None:
+    cells = [
+        box(2 + 4 * y + x, rest([1.2 * x, 1.2 * y + 0.5, 0]), [1, 1, 1], parent=1)
+        for y in range(4)
+        for x in range(4)
+    ]
+    camera = frame_recording(shot(cells, 0), ASPECT)
+    assert all(is_seen(camera, cell, 0) for cell in cells)
+
+
 def test_glass_hides_nothing() -> None:
     bodies = [floor(), *SCENES["one falls from 20 m"]]
     screens = [

@@ -185,14 +185,16 @@ def _close(places: Boxes, sizes: Float64) -> Bool:
 
 def _main(lives: Boxes, bodies: list[Body], first: Boxes) -> Bool:
     """(b,) which bodies do not go astray."""
-    # The nearest fragments of each body, and their box.
+    # The nearest fragments of each body and those that stay where it was, and their box.
     family = np.unique([body.source for body in bodies], return_inverse=True)[1]
     masses, sizes = np.array([_mass(body) for body in bodies]), body_sizes(bodies)
-    order = np.lexsort((lives.reach(first), family))
+    reach = lives.reach(first)
+    order = np.lexsort((reach, family))
     start = np.flatnonzero(np.diff(family[order], prepend=-1))
     nearer = np.cumsum(masses[order]) - masses[order]
     nearer -= nearer[start][family[order]]
-    most = order[nearer < MOST * np.add.reduceat(masses[order], start)[family[order]]]
+    is_near = nearer < MOST * np.add.reduceat(masses[order], start)[family[order]]
+    most = order[is_near | (reach[order] <= 0.0)]
     boxes = lives[most].unions(np.flatnonzero(np.diff(family[most], prepend=-1)))
 
     near = boxes.nearest_first(first)
