@@ -8,6 +8,8 @@ BIN := $(VENV)/bin
 BLENDER := .venv-blender
 PYTHON3_11 ?= python3.11
 OUT := out
+# The Stanford bunny, for figure 6.
+BUNNY := $(OUT)/figures/bunny.obj
 # The picture shows the wall in mid-break.
 DEMO_FRAME := 14
 
@@ -34,7 +36,7 @@ PLAYGROUND := web/dist/playground/playground.html
 NPM := web/npm/dist/three.js
 NPM_SOURCES := $(shell find web/npm/src -type f) web/npm/build.mjs web/npm/tsconfig.json web/npm/package.json
 
-.PHONY: help build lock web npm site publish-check demo verify claims soak resume oracle edited-worlds explore test test-rust test-python test-web test-wasm test-blender clean
+.PHONY: help build lock web npm site publish-check demo verify claims gallery figures-table performance soak resume oracle edited-worlds explore test test-rust test-python test-web test-wasm test-blender clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-12s %s\n", $$1, $$2 }' Makefile
@@ -55,6 +57,17 @@ claims: build ## Measure it and write the table of docs/claims.md anew
 	$(BIN)/frangible verify > $(OUT)/claims.txt
 	grep -v '^|' docs/claims.md > $(OUT)/claims.md
 	cat $(OUT)/claims.md $(OUT)/claims.txt > docs/claims.md
+
+# Hours, most of them for figure 1 at 3000 steps a second.
+gallery: build $(BUNNY) ## Make the pictures of shots and patterns in docs/images anew
+	$(BIN)/python bench/gallery.py --mesh $(BUNNY)
+
+figures-table: build $(BUNNY) ## Time the paper's figures and write the table of docs/figures.md anew
+	$(BIN)/python bench/figure_speed.py --mesh $(BUNNY)
+
+# Other engines are measured by `frangible bench --peers`, and by bench/curve.py.
+performance: build ## Time the piles and write their table in docs/performance.md anew
+	$(BIN)/python bench/pile_stages.py
 
 soak: ## Check what takes minutes: figure 8 with 100 and 1000 balls
 	cargo test --release --locked -p frangible-shots --test fractures -- --ignored --nocapture
@@ -99,12 +112,10 @@ web: $(PLAYGROUND) ## Build the engine for browsers, and the page to break thing
 npm: $(NPM) ## Build the package for npm: web/npm, for `npm pack`
 
 # The gallery plays what this machine simulates: some minutes the first time.
-site: $(VENV)/.installed $(PLAYGROUND) tests/tools/node_modules/.package-lock.json ## Build playground, gallery and documentation as one folder: out/site
-	@mkdir -p $(OUT)/figures
-	node web/site/bunny.mjs > $(OUT)/figures/bunny.obj
+site: $(VENV)/.installed $(PLAYGROUND) $(BUNNY) tests/tools/node_modules/.package-lock.json ## Build playground, gallery and documentation as one folder: out/site
 	for shot in $$(node -p 'Object.values(require("./web/site/figures.json")).flatMap(Object.keys).join(" ")'); do \
 	  test $(OUT)/figures/$$shot.html -nt $(VENV)/.installed || $(BIN)/frangible run $$shot --quiet \
-	    $$(test $$shot = bunny && echo --mesh $(OUT)/figures/bunny.obj) --out $(OUT)/figures/$$shot.html || exit 1; \
+	    $$(test $$shot = bunny && echo --mesh $(BUNNY)) --out $(OUT)/figures/$$shot.html || exit 1; \
 	done
 	cd web && node site/build.mjs dist/playground ../$(OUT)/figures ../$(OUT)/site
 
@@ -123,6 +134,10 @@ test-blender: build $(BLENDER)/.installed ## Check our files in Blender and MuJo
 	BLENDER_PYTHON=$(CURDIR)/$(BLENDER)/bin/python MUJOCO_PYTHON=$(CURDIR)/$(BLENDER)/bin/python \
 	  $(BIN)/pytest python/tests/test_blender.py python/tests/test_robot_pieces.py \
 	  python/tests/test_artists_day.py
+
+$(BUNNY): tests/tools/node_modules/.package-lock.json web/site/bunny.mjs
+	@mkdir -p $(@D)
+	node web/site/bunny.mjs > $@ || { rm -f $@; exit 1; }
 
 $(BLENDER)/.installed:
 	$(PYTHON3_11) -m venv $(BLENDER)

@@ -1,6 +1,8 @@
-"""The figures of the paper with fracture, timed: bench/results/figures.csv.
+"""The figures of the paper with fracture, timed: bench/results/figures.csv, and the table of
+docs/figures.md.
 
-Run from the repository's root, on a quiet machine: python bench/figure_speed.py [--mesh BUNNY]
+Run from the repository's root, on a quiet machine, as `make figures-table` does: python
+bench/figure_speed.py --mesh BUNNY [SHOT ...]; the table is written if no shot is named.
 """
 
 from __future__ import annotations
@@ -10,19 +12,33 @@ import csv
 import json
 import subprocess
 import sys
-from datetime import UTC, datetime
 from statistics import median
+from typing import Any
 
+from documents import today, write_table
+
+DOCUMENT = "docs/figures.md"
 RUNS = 3
-#: Shot, and the paper's frames per second [Su09 sec. 5].
+#: Figure, shot, and the paper's frames per second [Su09 sec. 5].
 SHOTS = (
-    ("wall", 15.0),
-    ("wall-ball", 15.0),
-    ("cylinder", 22.0),
-    ("bunny", 4.0),
-    ("refracture", 15.0),
-    ("wall-natural", 15.0),
-    ("rain-25", 3.0),
+    (4, "wall", 15.0),
+    (4, "wall-ball", 15.0),
+    (5, "cylinder", 22.0),
+    (6, "bunny", 4.0),
+    (7, "refracture", 15.0),
+    (8, "rain-25", 3.0),
+    (9, "wall-natural", 15.0),
+)
+#: Of the document's table.
+HEAD = (
+    "figure",
+    "shot",
+    "pieces at the end",
+    "ms a frame: mean, median, p95, worst",
+    "frames a second",
+    "the paper's",
+    "ratio",
+    "with the paper's method",
 )
 COLUMNS = (
     "date",
@@ -42,11 +58,14 @@ COLUMNS = (
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("shots", nargs="*", metavar="SHOT", help="of figures [all]")
     parser.add_argument("--mesh", help="the Stanford bunny, for figure 6")
     options = parser.parse_args()
-    rows = []
-    for shot, paper in SHOTS:
-        if shot == "bunny" and not options.mesh:
+    if not options.mesh and (not options.shots or "bunny" in options.shots):
+        parser.error("--mesh: must be the Stanford bunny's file, for figure 6")
+    rows: list[dict[str, Any]] = []
+    for _, shot, paper in SHOTS:
+        if options.shots and shot not in options.shots:
             continue
         for method in ("frame-rate", "paper"):
             if (shot, method) == ("rain-25", "paper"):
@@ -75,7 +94,7 @@ def main() -> None:
                 for key in ("mean", "median", "p95", "max")
             }
             row = {
-                "date": datetime.now(UTC).date().isoformat(),
+                "date": today(),
                 "shot": shot,
                 "method": method,
                 "frames": runs[0]["frames"],
@@ -87,6 +106,8 @@ def main() -> None:
             }
             print(row, flush=True)
             rows.append(row)
+    if options.shots:
+        return
     with open("bench/results/figures.csv", "w", newline="") as file:
         file.write(
             f"# command: python bench/figure_speed.py; medians of {RUNS} runs, "
@@ -95,6 +116,30 @@ def main() -> None:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)
+    sentence = f"The table is of {today()}, medians of {RUNS} runs."
+    write_table(DOCUMENT, [HEAD, *table(rows)], sentence)
+
+
+def table(rows: list[dict[str, Any]]) -> list[list[str]]:
+    """The document's rows, one for each shot."""
+    by_method = {(row["shot"], row["method"]): row for row in rows}
+    lines = []
+    for figure, shot, paper in SHOTS:
+        ours, theirs = by_method[shot, "frame-rate"], by_method.get((shot, "paper"))
+        times = ", ".join(f"{ours[f'ms_{key}']:.2f}" for key in ("mean", "median", "p95", "max"))
+        lines.append(
+            [
+                str(figure),
+                f"`{shot}`",
+                str(ours["bodies_end"]),
+                times,
+                f"{ours['fps_mean']:.0f}",
+                f"{paper:.0f}",
+                f"{ours['ratio']:.1f}",
+                f"{theirs['fps_mean']:.0f}" if theirs else "",
+            ]
+        )
+    return lines
 
 
 if __name__ == "__main__":
