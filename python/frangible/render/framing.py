@@ -100,12 +100,8 @@ class Subject:
     drift: Float64
     #: What moves or breaks.
     bodies: list[Body]
-
-    @property
-    def middle(self) -> Float64:
-        """(3,) of all boxes [m]."""
-        middle: Float64 = self.first.joined(self.ways).around().centres[0]
-        return middle
+    #: (3,) of all boxes [m].
+    middle: Float64
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,25 +132,28 @@ def find_subject(recording: Recording) -> Subject:
     bodies = acting or [body for body in solid if body.moves] or solid
     if not bodies:
         floor = Boxes(np.array([[-1.0, 0.0, -1.0]]), np.ones((1, 3)))
-        one = np.ones(1)
-        return Subject(floor, floor, one.astype(int), one, one > 0, np.ones(3), np.zeros(3), [])
+        one, middle = np.ones(1), floor.centres[0]
+        return Subject(
+            floor, floor, one.astype(int), one, one > 0, np.ones(3), np.zeros(3), [], middle
+        )
 
     begin = min(body.birth_frame for body in bodies)
     early = [body for body in bodies if body.birth_frame == begin]
     places = _places(early)
-    is_there = _close(places, body_sizes(early))
+    is_there = _close(places, _sizes(body_corners(early)))
     visitors = {body.id for body, there in zip(early, is_there, strict=True) if not there}
     bodies = [body for body in bodies if body.id not in visitors]
     places = places[is_there]
     first = places.around()
 
-    ways = _ways(bodies, recording.frames)
-    is_main = _main(ways.lives(), bodies, first)
-    whole = [body for body, main in zip(bodies, is_main, strict=True) if main]
-    whole = [body for body in whole if body.source not in broken]
+    corners = body_corners(bodies)
+    sizes = _sizes(corners)
+    ways = _ways(bodies, corners, recording.frames)
+    is_main = _main(ways.lives(), bodies, sizes, first)
+    is_whole = np.array([body.source not in broken for body in bodies])
     largest = float(first.sizes()[0]) / FIRST
-    if whole:
-        largest = max(largest, float(np.median(body_sizes(whole))) / SMALLEST)
+    if np.any(is_main & is_whole):
+        largest = max(largest, float(np.median(sizes[is_main & is_whole])) / SMALLEST)
     is_early = np.array([body.birth_frame == begin for body in bodies])
     at_first = places[is_main[is_early]]
     at_first = at_first if len(at_first.low) else first
@@ -168,9 +167,10 @@ def find_subject(recording: Recording) -> Subject:
     drift = (boxes.centres - first.centres).mean(axis=0)
     extents = (first.high - first.low)[0]
     times = followed.frame // _stride(recording.frames)
-    is_whole = np.array([body.source not in broken for body in bodies])[followed.body]
+    is_whole = is_whole[followed.body]
+    middle = seen.joined(followed.boxes).around().centres[0]
     return Subject(
-        seen, followed.boxes, times, followed.weights, is_whole, extents, drift, bodies
+        seen, followed.boxes, times, followed.weights, is_whole, extents, drift, bodies, middle
     )
 
 
@@ -183,11 +183,11 @@ def _close(places: Boxes, sizes: Float64) -> Bool:
     return places.fitting(places[core].around(), FAR)
 
 
-def _main(lives: Boxes, bodies: list[Body], first: Boxes) -> Bool:
+def _main(lives: Boxes, bodies: list[Body], sizes: Float64, first: Boxes) -> Bool:
     """(b,) which bodies do not go astray."""
     # The nearest fragments of each body and those that stay where it was, and their box.
     family = np.unique([body.source for body in bodies], return_inverse=True)[1]
-    masses, sizes = np.array([_mass(body) for body in bodies]), body_sizes(bodies)
+    masses = np.array([_mass(body) for body in bodies])
     reach = lives.reach(first)
     order = np.lexsort((reach, family))
     start = np.flatnonzero(np.diff(family[order], prepend=-1))
@@ -221,9 +221,10 @@ def _followed(ways: _Ways, first: Boxes, largest: float) -> Int64:
     return order[pictures.sizes() <= largest]
 
 
-def body_sizes(bodies: list[Body]) -> Float64:
-    """(b,) diagonals of the bodies' boxes [m]."""
-    return np.array([np.linalg.norm(np.ptp(body.vertices, axis=0)) for body in bodies])
+def _sizes(corners: Float64) -> Float64:
+    """(b,) diagonals of boxes with such corners (b, 2, 3) [m]."""
+    sizes: Float64 = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
+    return sizes
 
 
 def _median(places: Float64, weights: Float64) -> Float64:
@@ -243,8 +244,8 @@ def _places(bodies: list[Body]) -> Boxes:
     return Boxes(positions + around.low, positions + around.high)
 
 
-def _ways(bodies: list[Body], frames: int) -> _Ways:
-    """The ways of bodies through a film of so many frames."""
+def _ways(bodies: list[Body], corners: Float64, frames: int) -> _Ways:
+    """The ways of bodies with such corners (b, 2, 3) through a film of so many frames."""
     stride = _stride(frames)
     counts = np.array([len(body.positions) for body in bodies])
     parts = -(-counts // stride)
@@ -256,14 +257,14 @@ def _ways(bodies: list[Body], frames: int) -> _Ways:
     positions = np.concatenate([body.positions for body in bodies])
     orientations = np.concatenate([body.orientations for body in bodies])
     # How a body turns within a part is known from both ends.
-    corners = body_corners(bodies)[row]
-    ends = _around(corners, orientations[first]), _around(corners, orientations[last])
+    of_parts = corners[row]
+    ends = _around(of_parts, orientations[first]), _around(of_parts, orientations[last])
     boxes = Boxes(
         np.minimum.reduceat(positions, first) + np.minimum(ends[0].low, ends[1].low),
         np.maximum.reduceat(positions, first) + np.maximum(ends[0].high, ends[1].high),
     )
     births = np.array([body.birth_frame for body in bodies])
-    sizes = body_sizes(bodies)[row]
+    sizes = _sizes(of_parts)
     gone = np.linalg.norm(positions[last] - positions[first], axis=1)
     weights = np.maximum(np.minimum(gone, sizes), REST * sizes)
     return _Ways(boxes, row, births[row] + start, weights)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..materials import LOOKS
 from ..recording import Body, Bool, Float64, Recording
-from .framing import body_corners, body_sizes, rotation_matrices
+from .framing import body_corners, rotation_matrices
 
 #: Frames that are looked at, spread over a film.
 MOMENTS = 10
@@ -51,7 +51,8 @@ class Moment:
 def find_moments(recording: Recording, acting: list[Body]) -> list[Moment]:
     """Moments of a recording, in which some bodies are what happens."""
     solid = [body for body in recording.bodies if len(body.vertices)]
-    corners, sizes = body_corners(solid), body_sizes(solid)
+    corners = body_corners(solid)
+    sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
     is_acting = np.isin([body.id for body in solid], [body.id for body in acting])
     is_still = np.array([not body.moves for body in solid], np.bool_)
     is_clear = np.array([_is_clear(body) for body in solid], np.bool_)
