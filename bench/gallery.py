@@ -40,8 +40,8 @@ class Panel:
 PICTURES = {
     "figure1.jpg": (
         Panel("pillar", 9),
-        Panel("pillar", 19),
         Panel("pillar --fps 3000 --frames 12000", 12000),
+        Panel("pillar --method paper-uncorrected", 120),
         Panel("pillar", 120),
     ),
     "figure4.jpg": (

@@ -20,7 +20,7 @@ Numbers = Sequence[float] | npt.NDArray[Any]
 Rows = Sequence[Sequence[float]] | npt.NDArray[Any]
 
 #: Method that advances a frame.
-Method = Literal["frame-rate", "paper"]
+Method = Literal["frame-rate", "paper", "paper-uncorrected"]
 
 #: Minimum number of substeps; islands that bear, press or turn more take more.
 Quality = Literal["draft", "game", "default", "film"]

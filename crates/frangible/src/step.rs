@@ -72,7 +72,7 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     // Fragments meet their striker in the frame that made them.
     let mut moved = match world.method {
         // Newmark's scheme with clamped impulses [SSF08], [Su09 sec. 3].
-        Method::Paper => move_by_newmark(world, frame, &mut clock),
+        Method::Paper | Method::PaperUncorrected => move_by_newmark(world, frame, &mut clock),
         // One detection, then substeps with soft contacts [Cat24], [Mac19] (adr/010).
         Method::FrameRate => move_by_substeps(world, frame, &mut clock),
     };

@@ -90,9 +90,7 @@ fn pillar_spreads_as_recorded() {
     assert_eq!(recorded.len(), 10);
     let fine = |column: usize| recorded.iter().map(|row| row[column]).sum::<f64>() / 10.0;
     let coarse: Vec<_> = (0..10)
-        .map(|seed| {
-            pillar_spread_of(&ShotOptions { seed, ..ShotOptions::default() }, true).unwrap()
-        })
+        .map(|seed| pillar_spread_of(&ShotOptions { seed, ..ShotOptions::default() }).unwrap())
         .collect();
     let mean = |value: fn(&Spread) -> f64| coarse.iter().map(value).sum::<f64>() / 10.0;
     let [middle, p95] = [mean(|spread| spread.mean) / fine(1), mean(|spread| spread.p95) / fine(2)];

@@ -50,7 +50,7 @@ pub(crate) fn check_breaking(
     at: &Checker,
 ) -> Result<(), BuildError> {
     let Some(breaking) = breaking else { return Ok(()) };
-    if method == Method::Paper && breaking.strength_points.is_some() {
+    if method.is_papers() && breaking.strength_points.is_some() {
         let at = at.field("breaking.strength_points");
         return Err(at.broken("set", "left out, with the paper's method"));
     }

@@ -43,10 +43,10 @@ impl World {
         if let Some(frames) = scene.frames {
             checker.field("frames").count(frames as usize, 1, u32::MAX as usize)?;
         }
-        if scene.sleep && scene.method == Method::Paper {
+        if scene.sleep && scene.method.is_papers() {
             return Err(checker.field("sleep").broken("true", "false, with the paper's method"));
         }
-        if scene.solver != SolverDesc::default() && scene.method == Method::Paper {
+        if scene.solver != SolverDesc::default() && scene.method.is_papers() {
             return Err(checker.field("solver").broken("set", "left out, with the paper's method"));
         }
         let mut world = Self {
@@ -106,8 +106,13 @@ impl World {
 /// The substeps rely on the right phase of rotation; the paper's method has its own.
 fn settings_of(scene: &SceneDesc, checker: &Checker) -> Result<StepSettings, BuildError> {
     let paper = StepSettings::default();
-    if scene.method == Method::Paper {
-        return Ok(paper);
+    match scene.method {
+        Method::Paper => return Ok(paper),
+        Method::PaperUncorrected => {
+            let rotation = Rotation::SecondOrder { energy_fix: false };
+            return Ok(StepSettings { ledger: false, impulse_clamp: false, rotation, ..paper });
+        }
+        Method::FrameRate => {}
     }
     let SolverDesc { quality, most_substeps, recovery_speed } = scene.solver;
     let at = checker.field("solver");

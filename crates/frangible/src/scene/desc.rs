@@ -55,6 +55,16 @@ pub enum Method {
     FrameRate,
     /// The paper's own [Su09].
     Paper,
+    /// The paper's without its energy conservation, which figure 1 compares with [Su09 fig. 1]: it
+    /// makes energy.
+    PaperUncorrected,
+}
+
+impl Method {
+    /// True for the paper's method, with and without its energy conservation.
+    pub(crate) fn is_papers(self) -> bool {
+        matches!(self, Self::Paper | Self::PaperUncorrected)
+    }
 }
 
 /// Contact solver of the frame-rate method.

@@ -39,7 +39,7 @@ pub(crate) fn build_waiting(
         }
     };
     if starts == Starts::WhenStruck {
-        if method == Method::Paper {
+        if method.is_papers() {
             let rule = "a frame, with the paper's method, which seeks impacts while bodies move";
             return Err(at.field("when").broken("struck", rule));
         }

@@ -156,12 +156,6 @@ fn no_energy_fix(settings: &mut StepSettings) {
     settings.rotation = Rotation::SecondOrder { energy_fix: false };
 }
 
-/// The paper's method as it was before the paper.
-pub(super) fn no_safeguard(settings: &mut StepSettings) {
-    no_clamp(settings);
-    no_energy_fix(settings);
-}
-
 fn safeguards() -> Result<Vec<Finding>, Obstacle> {
     let gain = |change: fn(&mut StepSettings)| -> Result<f64, BuildError> {
         let run = |seed: u64| run_scene(&random_scene(seed, Method::Paper), 60, change);
@@ -196,7 +190,7 @@ fn safeguards() -> Result<Vec<Finding>, Obstacle> {
     }
     // Not every pillar has a shard that is thin enough.
     let runs: Vec<Run> = (0..UNSAFE_PILLARS)
-        .map(|seed| Ok(run_scene(&pillar(Method::Paper, seed)?, 60, no_safeguard)?))
+        .map(|seed| Ok(run_scene(&pillar(Method::PaperUncorrected, seed)?, 60, |_| {})?))
         .collect::<Result<_, Obstacle>>()?;
     let quantity = "rise of a shard of some pillars without any of them, paper's method";
     findings.push(Finding::at_least(quantity, "m", largest(runs.iter().map(|run| run.rise)), 1.0));

@@ -1,6 +1,6 @@
 //! Spread of the pillar at the frame rate, and at a hundredth of its step [Su09 fig. 1].
 
-use super::energy::{no_safeguard, run_scene};
+use super::energy::run_scene;
 use crate::claims::claim::largest;
 use crate::claims::claim::{Claim, Finding, Obstacle};
 use crate::scenes::pillar::HALF;
@@ -42,18 +42,14 @@ const TIME: f64 = 4.0;
 /// Cuts of the pillar.
 const SEEDS: u64 = 10;
 
-/// Runs the pillar of `options` for four seconds, with or without ledger, clamp and energy fix.
+/// Runs the pillar of `options` for four seconds.
 ///
 /// # Errors
 /// If its scene cannot be built.
-pub fn pillar_spread(options: &ShotOptions, safeguards: bool) -> Result<Spread, Obstacle> {
+pub fn pillar_spread(options: &ShotOptions) -> Result<Spread, Obstacle> {
     let scene = Shot::find("pillar")?.scene(options)?;
     let frames = (TIME * options.frames_per_second).round() as u32;
-    let run = if safeguards {
-        run_scene(&scene, frames, |_| {})
-    } else {
-        run_scene(&scene, frames, no_safeguard)
-    }?;
+    let run = run_scene(&scene, frames, |_| {})?;
 
     // The ground is the first body.
     let centers = run.world.bodies().poses.iter().skip(1).map(|pose| pose.position);
@@ -82,14 +78,10 @@ fn mean(spreads: &[Spread]) -> Spread {
 }
 
 /// The means over all cuts of the pillar.
-fn over_seeds(
-    method: Method,
-    frames_per_second: f64,
-    safeguards: bool,
-) -> Result<Spread, Obstacle> {
+fn over_seeds(method: Method, frames_per_second: f64) -> Result<Spread, Obstacle> {
     let run = |seed: u64| {
         let options = ShotOptions { seed, method, frames_per_second, ..ShotOptions::default() };
-        pillar_spread(&options, safeguards)
+        pillar_spread(&options)
     };
     let spreads: Vec<Spread> = (0..SEEDS).map(run).collect::<Result<_, _>>()?;
     Ok(mean(&spreads))
@@ -106,8 +98,8 @@ fn beside(name: &str, spread: &Spread) -> [Finding; 4] {
 }
 
 fn spread() -> Result<Vec<Finding>, Obstacle> {
-    let frame_rate = over_seeds(Method::FrameRate, 30.0, true)?;
-    let fine = over_seeds(Method::FrameRate, 3000.0, true)?;
+    let frame_rate = over_seeds(Method::FrameRate, 30.0)?;
+    let fine = over_seeds(Method::FrameRate, 3000.0)?;
     let mut findings = vec![
         Finding::between(
             "mean distance per that at 3000 steps per second",
@@ -138,7 +130,7 @@ fn spread() -> Result<Vec<Finding>, Obstacle> {
 }
 
 fn uncorrected() -> Result<Vec<Finding>, Obstacle> {
-    let uncorrected = over_seeds(Method::Paper, 30.0, false)?;
+    let uncorrected = over_seeds(Method::PaperUncorrected, 30.0)?;
     let rise = "rise of a piece, mean over the cuts";
     let mut findings = vec![Finding::at_least(rise, "m", uncorrected.rise, 2.0 * HALF.y)];
     findings.extend(beside("uncorrected", &uncorrected));
