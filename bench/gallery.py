@@ -39,10 +39,10 @@ class Panel:
 #: Panels from left to right, two in a row.
 PICTURES = {
     "figure1.jpg": (
-        Panel("pillar", 9),
-        Panel("pillar --fps 3000 --frames 12000", 12000),
-        Panel("pillar --method paper-uncorrected", 120),
-        Panel("pillar", 120),
+        Panel("pillar", 9, "--camera docs/cameras/pillar.json"),
+        Panel("pillar --fps 3000 --frames 9000", 9000, "--camera docs/cameras/pillar.json"),
+        Panel("pillar --method paper-uncorrected", 90, "--camera docs/cameras/pillar.json"),
+        Panel("pillar", 90, "--camera docs/cameras/pillar.json"),
     ),
     "figure4.jpg": (
         Panel("wall", 14),
@@ -66,7 +66,7 @@ PICTURES = {
     "timber.jpg": (Panel("timber", 6),),
     "concrete.jpg": (Panel("concrete", 9),),
     "bonded_pillar.jpg": (Panel("bonded-pillar", 42),),
-    "card-house.jpg": (Panel("card-house", 300),),
+    "card-house.jpg": (Panel("card-house --frames 300", 300),),
     "cradle.jpg": (Panel("cradle", 20),),
     "pile-table.jpg": (Panel("pile-table", 60),),
     "wall.jpg": (Panel("wall", 14),),
