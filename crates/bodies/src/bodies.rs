@@ -44,6 +44,8 @@ pub struct SurfaceProperties {
     /// Strength: the largest impulse in one collision before the body breaks [N s]; infinite for
     /// unbreakable bodies.
     pub strength: f64,
+    /// True for pieces that are glued together: impacts load their bonds.
+    pub glued: bool,
     /// Whom it collides with.
     pub class: CollisionClass,
 }
@@ -79,6 +81,7 @@ impl SurfaceProperties {
             spinning_friction: 0.0,
             restitution,
             strength,
+            glued: false,
             class,
         }
     }

@@ -16,11 +16,11 @@ pub use energy::island::ContactFreeState;
 pub use energy::ledger::{EnergyAtStart, Ledger, LedgerReport};
 pub use frame_rate::contact_forces::{ContactForce, contact_forces};
 pub use frame_rate::finish::Solved;
-pub use frame_rate::impact_log::Impact;
+pub use frame_rate::impact_log::{Impact, PointImpulse};
 pub use frame_rate::solve;
 pub use impacts::blows::{
-    Bearing, Blow, LocalStrength, Strike, UpcomingImpact, hardest_blow, pass_on, strikes,
-    upcoming_impact,
+    Bearing, Blow, LocalStrength, Strike, hardest_blow, in_order, pass_on, strikes,
+    touch_by_rotation,
 };
 pub use impacts::impact_chain::find_impact_chain;
 pub use impacts::recent_impacts::RecentImpacts;

@@ -55,7 +55,12 @@ fn a_blow_passes_on_what_the_weaker_body_bears() {
     ));
     let before = bodies.velocities.clone();
     let frame = frame(DVec3::ZERO);
-    let pass = Collisions::new(&bodies, &frame).pass(&mut bodies, Response::BounceAndBreak, &frame);
+    let pass = Collisions::new(&bodies, &frame).pass(
+        &mut bodies,
+        Response::BounceAndBreak,
+        |_, _, _, _| None,
+        &frame,
+    );
 
     assert_eq!(pass.blows.len(), 1);
     let blow = &pass.blows[0];
@@ -81,7 +86,12 @@ fn without_leave_to_break_the_whole_impulse_acts() {
         f64::INFINITY,
     ));
     let frame = frame(DVec3::ZERO);
-    let pass = Collisions::new(&bodies, &frame).pass(&mut bodies, Response::Bounce, &frame);
+    let pass = Collisions::new(&bodies, &frame).pass(
+        &mut bodies,
+        Response::Bounce,
+        |_, _, _, _| None,
+        &frame,
+    );
     assert!(pass.any && pass.blows.is_empty());
     assert!(bodies.velocities[0].linear.x < -7.0, "{}", bodies.velocities[0].linear);
 }

@@ -21,7 +21,7 @@ const MAGIC: &[u8] = b"frangible world\n";
 
 /// Another version may lay out the state in another way, and go on to other bits. The number after
 /// the dash counts changes of the layout between versions.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "-4");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "-5");
 
 /// Why a snapshot was not written or not read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

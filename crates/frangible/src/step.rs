@@ -16,7 +16,7 @@ pub(crate) mod waiting;
 use crate::hand::grip::pull_held;
 use crate::report::StepReport;
 use crate::scene::desc::Method;
-use crate::step::bonds::{Freed, free_overloaded, strike_bonds};
+use crate::step::bonds::free_overloaded;
 use crate::step::closing::Opening;
 use crate::step::follow_paths::follow_paths;
 use crate::step::newmark::move_by_newmark;
@@ -60,23 +60,20 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     let mut clock = StageClock::new(world.clock);
 
     // Overloaded bonds break [Kaw78], before the books open: what was static starts at rest.
-    let Freed { fractures: freed, blows } = free_overloaded(world, frame);
+    let freed = free_overloaded(world, frame);
     clock.lap("free_overloaded");
-    let opening = Opening::of(world, frame);
+    let mut opening = Opening::of(world, freed, frame);
 
-    // Bonds give way to blows [Kaw78] (adr/014).
-    let broken_bonds = strike_bonds(world, &blows, frame);
-    clock.lap("strike_bonds");
-
-    // Break what does not bear its blows [Su09 sec. 4.2], and move: collisions, contact, positions.
-    // Fragments meet their striker in the frame that made them.
+    // Break what does not bear its blows, bodies [Su09 sec. 4.2] and bonds [Kaw78] (adr/014), and
+    // move: collisions, contact, positions. Fragments meet their striker in the frame that made them.
     let mut moved = match world.method {
         // Newmark's scheme with clamped impulses [SSF08], [Su09 sec. 3].
-        Method::Paper | Method::PaperUncorrected => move_by_newmark(world, frame, &mut clock),
+        Method::Paper | Method::PaperUncorrected => {
+            move_by_newmark(world, &mut opening, frame, &mut clock)
+        }
         // One detection, then substeps with soft contacts [Cat24], [Mac19] (adr/010).
-        Method::FrameRate => move_by_substeps(world, frame, &mut clock),
+        Method::FrameRate => move_by_substeps(world, &mut opening, frame, &mut clock),
     };
-    moved.add_broken_bonds(broken_bonds);
     world.end_sparing();
 
     // Bodies whose numbers went bad stay where they were, with those that they touch.
@@ -90,7 +87,7 @@ fn advance_started(world: &mut World, frame: &Frame) -> (StepReport, Contacts) {
     take_out(world, &culprits);
     moved.quarantined.extend(culprits);
     take_out_faulty(world, &mut moved.quarantined);
-    let mut report = opening.close(world, &mut moved, freed, balance, frame);
+    let mut report = opening.close(world, &mut moved, balance, frame);
     clock.lap("report");
     report.stages = clock.laps;
     (report, Contacts { hit: moved.hit, links: moved.accounts.links })

@@ -304,7 +304,8 @@ impl World {
     }
 
     /// Adds a body behind all others.
-    pub(crate) fn spawn(&mut self, body: NewBody, label: Label) -> BodyId {
+    pub(crate) fn spawn(&mut self, mut body: NewBody, label: Label) -> BodyId {
+        body.surface.glued = label.bonds.is_some();
         self.labels.push(label);
         self.bodies.spawn(body)
     }
@@ -329,9 +330,10 @@ impl World {
         solid.unwrap_or_else(|| self.bodies.shapes[dense].clone())
     }
 
-    /// True if an impact may break a body.
+    /// True if an impact may break a body, or its bonds.
     pub(crate) fn may_break(&self) -> bool {
-        (0..self.bodies.len()).any(|i| self.bodies.strength(i).is_finite())
+        let may_break = |i| self.bodies.strength(i).is_finite() || self.labels[i].may_lose_bonds();
+        (0..self.bodies.len()).any(may_break)
     }
 
     /// Lets the spared bodies break again.

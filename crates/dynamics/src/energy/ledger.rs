@@ -62,6 +62,13 @@ impl EnergyAtStart {
         start
     }
 
+    /// Records a body that comes free at rest.
+    pub fn admit(&mut self, bodies: &Bodies, i: usize, frame: &Frame) {
+        let energy = potential(bodies, i, frame.gravity);
+        self.total.insert(bodies.ids[i], energy);
+        self.potential.insert(bodies.ids[i], energy);
+    }
+
     /// Potential energy of bodies that have risen since, without those that sank or were born [J].
     fn risen(&self, bodies: &Bodies, members: &[usize], gravity: DVec3) -> f64 {
         let of = |&i: &usize| {

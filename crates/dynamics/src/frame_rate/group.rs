@@ -333,9 +333,9 @@ impl<I: Instructions> Group<I> {
     }
 }
 
-/// True if an impact may break a body of the pair.
+/// True if an impact may break a body of the pair, or its bonds.
 fn may_break(bodies: &Bodies, pair: Pair) -> bool {
-    pair.both().into_iter().any(|i| bodies.strength(i).is_finite())
+    pair.both().into_iter().any(|i| bodies.strength(i).is_finite() || bodies.surfaces[i].glued)
 }
 
 /// Splits mutable sub-slices off the front of a slice.

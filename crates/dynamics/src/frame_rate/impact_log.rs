@@ -7,10 +7,11 @@ use frangible_bodies::{Pair, Pose};
 use frangible_collision::ContactPoint;
 use frangible_math::{Instructions, Single};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// An impact of a pair, where static bodies count as one: the impulses along one normal in a substep.
 /// Or a blow: impacts close to each other in time, where the contact is of the hardest.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Impact {
     /// The two that exchange most of the impulse.
     pub pair: Pair,
@@ -36,6 +37,24 @@ pub struct Impact {
     pub is_at_point: bool,
     /// Where the impulse acts at the poses of the frame's start, world frame [m].
     pub acts_at: DVec3,
+    /// Its parts, if a body of the pair is glued.
+    pub parts: Vec<PointImpulse>,
+}
+
+/// What acts at a point of a contact.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct PointImpulse {
+    /// In the frames of both bodies [m].
+    pub at: [DVec3; 2],
+    /// On the first body, world frame [N s].
+    pub impulse: DVec3,
+}
+
+impl PointImpulse {
+    /// With the bodies the other way round.
+    pub(crate) fn swapped(self) -> Self {
+        Self { at: [self.at[1], self.at[0]], impulse: -self.impulse }
+    }
 }
 
 /// Impulses in the impacts of a substep, for the lanes with breakable bodies.

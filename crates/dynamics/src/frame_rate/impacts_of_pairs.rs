@@ -3,8 +3,7 @@
 
 use super::constraints::SAME_NORMAL;
 use super::group::Group;
-use super::impact_log::{Impact, ImpactLog, LaneImpact};
-use super::joint_lanes::FIXED;
+use super::impact_log::{Impact, ImpactLog, LaneImpact, PointImpulse};
 use super::solver_bodies::SolverBody;
 use frangible_bodies::{Bodies, Motion, Pair};
 use frangible_collision::{ContactPoint, Manifold};
@@ -13,8 +12,9 @@ use glam::DVec3;
 
 /// The impact of a body with a partner, from the lanes of one normal.
 struct Joint {
-    /// Solver line of the body, and of its partner or [`FIXED`].
-    lines: [usize; 2],
+    body: usize,
+    /// All static bodies are one, but for those with bonds.
+    partner: Option<usize>,
     /// Towards the body, world frame.
     normal: DVec3,
     /// On the body [N s].
@@ -29,6 +29,8 @@ struct Joint {
     points: usize,
     /// The entry with the largest normal impulse, and that impulse [N s].
     largest: (usize, f64),
+    /// Parts on the body, if one of the two is glued.
+    parts: Vec<PointImpulse>,
 }
 
 impl<I: Instructions> Group<I> {
@@ -66,11 +68,11 @@ impl<I: Instructions> Group<I> {
         let place = self.speculative.place(entry.number);
         let (batch, lane) = (&self.batches[place.batch()], place.lane());
         let both = self.pair_of(entry, manifolds).both();
-        let of_lane = batch.lines().map(|lines| lines[lane]);
         let is_first = entry.bodies[0].is_movable();
         let (side, other) = if is_first { (0, 1) } else { (1, 0) };
-        let is_static = matches!(bodies.motions[both[other]], Motion::Static);
-        let lines = [of_lane[side], if is_static { FIXED } else { of_lane[other] }];
+        let are_glued = both.map(|i| bodies.surfaces[i].glued);
+        let is_any = matches!(bodies.motions[both[other]], Motion::Static) && !are_glued[other];
+        let (body, partner) = (both[side], (!is_any).then_some(both[other]));
 
         // The lane's impulses are those on its second body, and its normal points there.
         let axes = batch.frame_of(lane);
@@ -83,20 +85,30 @@ impl<I: Instructions> Group<I> {
         let turn = entry.bodies[side].turn();
         let offsets = batch.offsets.map(|offset| offset.get(lane) * axes[0]);
         let mut at_sums = [DVec3::ZERO; 2];
-        for (point, impulse) in batch.points.iter().zip(entry.impulses) {
+        let mut parts = Vec::new();
+        for (point, along) in batch.points.iter().zip(entry.impulses) {
             let anchors = point.anchors.map(|anchor| anchor.get(lane));
+            if along > 0.0 && are_glued.contains(&true) {
+                let in_body = |k: usize| {
+                    bodies.poses[both[k]].orientation.conjugate() * (anchors[k] + offsets[k])
+                };
+                let at = [in_body(side), in_body(other)];
+                parts.push(PointImpulse { at, impulse: along / weight * impulse });
+            }
             let on_surface = |k: usize| bodies.poses[both[k]].position + anchors[k] + offsets[k];
-            at_sums[0] += impulse * (turn * anchors[side] + offsets[side]);
-            at_sums[1] += impulse * 0.5 * (on_surface(0) + on_surface(1));
+            at_sums[0] += along * (turn * anchors[side] + offsets[side]);
+            at_sums[1] += along * 0.5 * (on_surface(0) + on_surface(1));
         }
 
-        let is_along =
-            |joint: &&mut Joint| joint.lines == lines && joint.normal.dot(normal) > SAME_NORMAL;
+        let is_along = |joint: &&mut Joint| {
+            (joint.body, joint.partner) == (body, partner) && joint.normal.dot(normal) > SAME_NORMAL
+        };
         if let Some(joint) = joints.iter_mut().find(is_along) {
             joint.impulse += impulse;
             joint.weight += weight;
             joint.time_sum += entry.time_sum;
             joint.points += points;
+            joint.parts.extend(parts);
             joint.at_sums.iter_mut().zip(at_sums).for_each(|(sum, of_lane)| *sum += of_lane);
             if weight > joint.largest.1 {
                 joint.largest = (at, weight);
@@ -105,7 +117,8 @@ impl<I: Instructions> Group<I> {
             let largest = (at, weight);
             let time_sum = entry.time_sum;
             joints.push(Joint {
-                lines,
+                body,
+                partner,
                 normal,
                 impulse,
                 at_sums,
@@ -113,6 +126,7 @@ impl<I: Instructions> Group<I> {
                 time_sum,
                 points,
                 largest,
+                parts,
             });
         }
     }
@@ -137,6 +151,7 @@ impl<I: Instructions> Group<I> {
         let poses_past = [0, 1].map(|side| pose(side, entry.bodies[side].drifted(self.h as f32)));
         let (side, sign) = if is_first { (0, 1.0) } else { (1, -1.0) };
         let point = poses[side].position + joint.at_sums[0] / joint.weight;
+        let parts = joint.parts.iter().map(|part| if is_first { *part } else { part.swapped() });
         Impact {
             pair,
             impulse: sign * joint.impulse,
@@ -149,6 +164,7 @@ impl<I: Instructions> Group<I> {
             poses_past,
             is_at_point: joint.points == 1,
             acts_at: joint.at_sums[1] / joint.weight,
+            parts: parts.collect(),
         }
     }
 }

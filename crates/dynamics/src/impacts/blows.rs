@@ -1,15 +1,10 @@
 //! Blows: impacts above a body's strength [Su09 sec. 4.2].
 
 use crate::energy::frame_accounts::{Cause, FrameAccounts};
-use crate::frame_rate::constraints::SAME_NORMAL;
 use crate::frame_rate::impact_log::Impact;
-use crate::impulse::pair_impulse::{
-    Approach, PairImpulse, approach_at, deepest_approach, impulse_for,
-};
+use crate::impulse::pair_impulse::{PairImpulse, approach_at, deepest_approach};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose};
-use frangible_collision::{
-    ContactPoint, ImpulseCache, ManifoldFinder, ManifoldPoint, NearSamples, first_contact, placed,
-};
+use frangible_collision::{ContactPoint, ManifoldFinder, NearSamples, first_contact, placed};
 use glam::DVec3;
 
 /// An impact above a body's strength.
@@ -104,18 +99,22 @@ pub struct Strike {
     pub blows: [Option<Blow>; 2],
 }
 
-/// Impacts of a frame above the strength of a body, in the order of their times; `bodies` are those
-/// of the frame's start.
-pub fn strikes(bodies: &Bodies, mut impacts: Vec<Impact>, local: LocalStrength) -> Vec<Strike> {
+/// Sorts impacts by their times.
+pub fn in_order(impacts: &mut [Impact]) {
     impacts.sort_by(|a, b| {
         let rest = |impact: &Impact| (impact.number, impact.pair.both());
         a.time.total_cmp(&b.time).then_with(|| rest(a).cmp(&rest(b)))
     });
+}
+
+/// Impacts of a frame above the strength of a body, in their order; `bodies` are those of the
+/// frame's start.
+pub fn strikes(bodies: &Bodies, impacts: &[Impact], local: LocalStrength) -> Vec<Strike> {
     let mut strikes = Vec::new();
     for impact in impacts {
-        let Impact { pair, time, impulse, earlier, contact, acts_at, .. } = impact;
+        let Impact { pair, time, impulse, earlier, contact, acts_at, .. } = *impact;
         let size = impulse.length();
-        let blows = blows_of(bodies, pair, (acts_at, size), local, || touch(bodies, &impact));
+        let blows = blows_of(bodies, pair, (acts_at, size), local, || touch(bodies, impact));
         let Some(borne) = blows.iter().flatten().map(|blow| blow.borne).reduce(f64::min) else {
             continue;
         };
@@ -161,11 +160,39 @@ impl Strike {
     /// Applies what the weaker body bears to both bodies at the frame's start, clamped to the
     /// available energy, and books it.
     pub fn pass_on(&self, bodies: &mut Bodies, frame: &Frame, accounts: &mut FrameAccounts) {
-        let approach =
-            approach_at(bodies, self.pair, self.contact, &bodies.poses, &bodies.velocities);
-        let impulse = PairImpulse::new(&approach, self.impulse);
-        pass_on(bodies, self.pair, &approach, &impulse, frame, accounts);
+        pass_on(bodies, self.pair, self.contact, self.impulse, frame, accounts);
     }
+}
+
+/// Applies an impulse on the first body, and its opposite on the second, at the frame's start,
+/// clamped to the available energy, and books it.
+pub fn pass_on(
+    bodies: &mut Bodies,
+    pair: Pair,
+    contact: ContactPoint,
+    impulse: DVec3,
+    frame: &Frame,
+    accounts: &mut FrameAccounts,
+) {
+    let approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
+    let mut impulse = PairImpulse::new(&approach, impulse);
+    if frame.settings.impulse_clamp {
+        impulse = impulse.clamped_to_energy(
+            bodies,
+            pair,
+            &approach,
+            &bodies.velocities,
+            &mut accounts.clamps,
+        );
+    }
+    accounts.book_impulse(
+        bodies,
+        pair,
+        &approach,
+        &impulse,
+        (&bodies.velocities, Cause::Collision),
+    );
+    impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
 }
 
 /// Point and poses of an impact. A contact at one point is detected as its substep begins: look
@@ -179,140 +206,13 @@ fn touch(bodies: &Bodies, impact: &Impact) -> Touch {
     exact.filter(is_near).unwrap_or((*contact, *poses))
 }
 
-/// A collision within the frame.
-#[derive(Clone, Debug)]
-pub struct UpcomingImpact {
-    /// Relative motion at the contact, at the frame's start.
-    pub approach: Approach,
-    /// Impulse that would stop the approach.
-    pub impulse: PairImpulse,
-    /// Points that touch at once, and their middle, world frame [m].
-    pub points: Vec<DVec3>,
-    /// See `points`.
-    pub point: DVec3,
-    /// Poses of both bodies at the touch.
-    pub poses: [Pose; 2],
-}
-
-/// The collision of a pair on the way to `predicted` with the largest impulse, if any: what rests on
-/// one end meets with the other.
-pub fn upcoming_impact(
-    bodies: &Bodies,
-    pair: Pair,
-    predicted: &[Pose],
-    frame: &Frame,
-) -> Option<UpcomingImpact> {
-    let surfaces = bodies.pair_surface(pair.first, pair.second);
-    let impact = |Touching { approach, points, poses }: Touching| {
-        let impulse = impulse_for(pair, &approach, &bodies.poses, &bodies.inertias, surfaces);
-        let point = points.iter().sum::<DVec3>() / points.len() as f64;
-        UpcomingImpact { approach, impulse, points, point, poses }
-    };
-    let size = |impact: &UpcomingImpact| impact.impulse.at_contact.length();
-    upcoming_touches(bodies, pair, predicted, frame)
-        .into_iter()
-        .map(impact)
-        .max_by(|a, b| size(a).total_cmp(&size(b)))
-}
-
-/// Applies an impulse to a pair before the frame's motion, clamped to the available energy, and
-/// books it.
-pub fn pass_on(
-    bodies: &mut Bodies,
-    pair: Pair,
-    approach: &Approach,
-    impulse: &PairImpulse,
-    frame: &Frame,
-    accounts: &mut FrameAccounts,
-) {
-    let impulse = if frame.settings.impulse_clamp {
-        impulse.clamped_to_energy(bodies, pair, approach, &bodies.velocities, &mut accounts.clamps)
-    } else {
-        *impulse
-    };
-    accounts.book_impulse(bodies, pair, approach, &impulse, (&bodies.velocities, Cause::Collision));
-    impulse.apply(pair, &bodies.inertias, &mut bodies.velocities);
-}
-
-/// Points of a manifold touch at once within this share of a frame [1].
-const AT_ONCE: f64 = 0.01;
-
-/// A touch of a pair: relative motion at the frame's start, and points and poses at the touch.
-struct Touching {
-    approach: Approach,
-    points: Vec<DVec3>,
-    poses: [Pose; 2],
-}
-
-/// Points that touch at once along one normal.
-struct JointTouch {
-    /// From the frame's start [s].
-    time: f64,
-    points: Vec<ManifoldPoint>,
-}
-
-/// Touches of a pair within the frame. Points that touch at once along one normal are one touch,
-/// which acts in their middle.
-fn upcoming_touches(
-    bodies: &Bodies,
-    pair: Pair,
-    predicted: &[Pose],
-    frame: &Frame,
-) -> Vec<Touching> {
-    let mut finder = ManifoldFinder::default();
-    let manifold = finder.find(bodies, pair, &ImpulseCache::default(), frame);
-    let mut joints: Vec<JointTouch> = Vec::new();
-    let mut is_touching = false;
-    for point in manifold.iter().flat_map(|manifold| manifold.points) {
-        let [on_first, on_second] = point.on_surfaces(bodies, pair);
-        let gap = (on_first - on_second).dot(point.normal);
-        is_touching |= gap <= 0.0;
-        let time = gap.max(0.0) / point.approach;
-        if point.approach <= 0.0 || time > frame.dt {
-            continue;
-        }
-        let is_with = |joint: &&mut JointTouch| {
-            (joint.time - time).abs() <= AT_ONCE * frame.dt
-                && joint.points[0].normal.dot(point.normal) > SAME_NORMAL
-        };
-        match joints.iter_mut().find(is_with) {
-            Some(joint) => joint.points.push(*point),
-            None => joints.push(JointTouch { time, points: vec![*point] }),
-        }
-    }
-    if joints.is_empty() && !is_touching {
-        return touch_by_rotation(bodies, pair, predicted, &mut finder).into_iter().collect();
-    }
-    joints.iter().map(|joint| joint.touching(bodies, pair, predicted, frame)).collect()
-}
-
-impl JointTouch {
-    fn touching(&self, bodies: &Bodies, pair: Pair, predicted: &[Pose], frame: &Frame) -> Touching {
-        let share = 1.0 / self.points.len() as f64;
-        let normal = self.points[0].normal;
-        let middle = self.points.iter().map(|point| share * point.middle(bodies, pair)).sum();
-        let contact = ContactPoint { point: middle, normal };
-        let mut approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
-        // Gravity adds to the approach speed.
-        let closing = self.points.iter().map(|point| share * point.approach).sum::<f64>();
-        let speed = approach.relative_velocity.dot(normal);
-        approach.relative_velocity -= (speed + closing) * normal;
-        let part = self.time / frame.dt;
-        let poses = pair.both().map(|i| between(&bodies.poses[i], &predicted[i], part));
-        let on_first = |point: &ManifoldPoint| {
-            poses[0].world_from_body().point(point.anchor_first) - point.rounding[0] * normal
-        };
-        Touching { approach, points: self.points.iter().map(on_first).collect(), poses }
-    }
-}
-
-/// The touch at the frame's end of a pair that nothing brings together at its start but rotation.
-fn touch_by_rotation(
+/// The contact at the frame's end of a pair that nothing brings together at its start but rotation.
+pub fn touch_by_rotation(
     bodies: &Bodies,
     pair: Pair,
     predicted: &[Pose],
     finder: &mut ManifoldFinder,
-) -> Option<Touching> {
+) -> Option<ContactPoint> {
     finder.penetration(bodies, pair, predicted)?;
     let (first, second) = placed(bodies, pair, predicted);
     let mut penetrations = Vec::new();
@@ -325,17 +225,5 @@ fn touch_by_rotation(
     let seen = deepest_approach(bodies, pair, &mut penetrations, predicted, &bodies.velocities)?;
     let approach = approach_at(bodies, pair, seen.contact, &bodies.poses, &bodies.velocities);
     let approaches = approach.relative_velocity.dot(seen.contact.normal) < 0.0;
-    approaches.then_some(Touching {
-        approach,
-        points: vec![seen.contact.point],
-        poses: pair.both().map(|i| predicted[i]),
-    })
-}
-
-/// Linear interpolation of a pose by `part`, spherical for the orientation.
-fn between(from: &Pose, to: &Pose, part: f64) -> Pose {
-    Pose {
-        position: from.position.lerp(to.position, part),
-        orientation: from.orientation.slerp(to.orientation, part),
-    }
+    approaches.then_some(seen.contact)
 }

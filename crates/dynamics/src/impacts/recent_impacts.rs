@@ -3,7 +3,7 @@
 //! impacts count less and less, so that no blow hangs on which side of a limit one lies.
 
 use crate::frame_rate::constraints::SAME_NORMAL;
-use crate::frame_rate::impact_log::Impact;
+use crate::frame_rate::impact_log::{Impact, PointImpulse};
 use frangible_bodies::{Bodies, BodyId, Motion};
 use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
@@ -23,7 +23,7 @@ pub struct RecentImpacts {
 }
 
 /// An impact before the frame's start.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Recent {
     bodies: Meeting,
     /// Towards the body, world frame.
@@ -33,9 +33,11 @@ struct Recent {
     /// From the frame's start, negative [s].
     time: f64,
     is_at_point: bool,
+    /// On the body first.
+    parts: Vec<PointImpulse>,
 }
 
-/// A body and what it meets; all static bodies are one.
+/// A body and what it meets; all static bodies are one, but for those with bonds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 struct Meeting {
     body: BodyId,
@@ -47,6 +49,9 @@ impl Check for RecentImpacts {
         self.of_pairs.iter().try_for_each(|recent| {
             require((-MEMORY..=0.0).contains(&recent.time), "impacts just before the frame")?;
             finite_vector(recent.normal)?;
+            for PointImpulse { at: [first, second], impulse } in &recent.parts {
+                [first, second, impulse].into_iter().try_for_each(|v| finite_vector(*v))?;
+            }
             finite_vector(recent.impulse)
         })
     }
@@ -58,17 +63,20 @@ impl Recent {
         let both = impact.pair.both();
         let side = usize::from(bodies.inertias[both[0]].is_infinite());
         let sign = if side == 0 { 1.0 } else { -1.0 };
+        let parts = impact.parts.iter();
         let (body, other) = (both[side], both[1 - side]);
-        let is_static = matches!(bodies.motions[other], Motion::Static);
+        let is_any =
+            matches!(bodies.motions[other], Motion::Static) && !bodies.surfaces[other].glued;
         Self {
             bodies: Meeting {
                 body: bodies.ids[body],
-                partner: (!is_static).then(|| bodies.ids[other]),
+                partner: (!is_any).then(|| bodies.ids[other]),
             },
             normal: sign * impact.contact.normal,
             impulse: sign * impact.impulse,
             time: impact.mean_time,
             is_at_point: impact.is_at_point,
+            parts: parts.map(|part| if side == 0 { *part } else { part.swapped() }).collect(),
         }
     }
 
@@ -98,13 +106,13 @@ impl RecentImpacts {
         let mut blows = Vec::new();
         for of_pair in seen.chunk_by(|(a, _), (b, _)| a.bodies == b.bodies) {
             let before = |recent: &&Recent| recent.bodies == of_pair[0].0.bodies;
-            let before: Vec<Recent> = self.of_pairs.iter().filter(before).copied().collect();
+            let before: Vec<&Recent> = self.of_pairs.iter().filter(before).collect();
             largest_blows(&before, of_pair, &mut blows);
         }
 
         let lasts = |recent: &Recent| dt - recent.time <= MEMORY;
-        let of_frame = seen.iter().map(|(recent, _)| *recent);
-        let recent = self.of_pairs.iter().copied().chain(of_frame).filter(lasts);
+        let of_frame = seen.into_iter().map(|(recent, _)| recent);
+        let recent = self.of_pairs.iter().cloned().chain(of_frame).filter(lasts);
         let of_pairs = recent.map(|recent| Recent { time: recent.time - dt, ..recent }).collect();
         (blows, RecentImpacts { of_pairs })
     }
@@ -120,29 +128,40 @@ impl RecentImpacts {
 
 /// Adds the largest blow along each normal of a pair with impacts `before` a frame and in it, in
 /// order.
-fn largest_blows(before: &[Recent], of_frame: &[(Recent, Impact)], blows: &mut Vec<Impact>) {
+fn largest_blows(before: &[&Recent], of_frame: &[(Recent, Impact)], blows: &mut Vec<Impact>) {
     let mut largest: Vec<Impact> = Vec::new();
     for (at, (last, _)) in of_frame.iter().enumerate() {
-        let of_blow = before.iter().map(|recent| (recent.share_in(last), recent));
+        let of_blow = before.iter().map(|&recent| (recent.share_in(last), recent));
         let of_blow: Vec<(f64, &Recent)> = of_blow.filter(|&(share, _)| share > 0.0).collect();
-        let parts = of_frame[..=at].iter().map(|(recent, impact)| (recent.share_in(last), impact));
-        let parts: Vec<(f64, &Impact)> = parts.filter(|&(share, _)| share > 0.0).collect();
-        let size = |(share, impact): &&(f64, &Impact)| share * impact.impulse.length();
-        let Some((_, hardest)) = parts.iter().max_by(|a, b| size(a).total_cmp(&size(b))) else {
+        let seen = of_frame[..=at].iter().map(|seen| (seen.0.share_in(last), seen));
+        let seen: Vec<(f64, &(Recent, Impact))> = seen.filter(|&(share, _)| share > 0.0).collect();
+        let size =
+            |&&(share, (_, impact)): &&(f64, &(Recent, Impact))| share * impact.impulse.length();
+        let Some((_, (_, hardest))) = seen.iter().max_by(|a, b| size(a).total_cmp(&size(b))) else {
             continue;
         };
-        let sign = if last.normal.dot(hardest.contact.normal) > 0.0 { 1.0 } else { -1.0 };
+        let is_first = last.normal.dot(hardest.contact.normal) > 0.0;
+        let sign = if is_first { 1.0 } else { -1.0 };
         let earlier =
             sign * of_blow.iter().map(|&(share, recent)| share * recent.impulse).sum::<DVec3>();
-        let of_frame = parts.iter().map(|&(share, impact)| share * impact.impulse).sum::<DVec3>();
+        let in_frame = seen.iter().map(|&(share, (recent, _))| (share, recent));
+        let impulse = in_frame.clone().map(|(share, recent)| share * recent.impulse).sum::<DVec3>();
+        let part = |share: f64, part: &PointImpulse| {
+            let part = PointImpulse { impulse: share * part.impulse, ..*part };
+            if is_first { part } else { part.swapped() }
+        };
+        let all = of_blow.iter().copied().chain(in_frame);
+        let parts =
+            all.flat_map(|(share, recent)| recent.parts.iter().map(move |of| part(share, of)));
         let blow = Impact {
-            impulse: earlier + of_frame,
+            impulse: earlier + sign * impulse,
             earlier,
-            time: parts[0].1.time,
-            number: parts[0].1.number,
-            is_at_point: parts.iter().all(|(_, impact)| impact.is_at_point)
+            time: seen[0].1.1.time,
+            number: seen[0].1.1.number,
+            is_at_point: seen.iter().all(|(_, (recent, _))| recent.is_at_point)
                 && of_blow.iter().all(|(_, recent)| recent.is_at_point),
-            ..**hardest
+            parts: parts.collect(),
+            ..hardest.clone()
         };
         let normal = blow.contact.normal;
         match largest.iter_mut().find(|known| known.contact.normal.dot(normal) > SAME_NORMAL) {

@@ -69,7 +69,15 @@ impl Collisions {
     }
 
     /// One pass over all pairs. A broken body is skipped for the rest of the pass.
-    pub fn pass(&mut self, bodies: &mut Bodies, response: Response, frame: &Frame) -> Pass {
+    /// Of an impulse on a glued body acts the share that `bonds` says; if there is one, the bonds of
+    /// that body have given way.
+    pub fn pass(
+        &mut self,
+        bodies: &mut Bodies,
+        response: Response,
+        mut bonds: impl FnMut(&Bodies, &Approach, &PairImpulse, (Pair, &[Pose])) -> Option<f64>,
+        frame: &Frame,
+    ) -> Pass {
         let mut pass = Pass::default();
         let mut broken = vec![false; bodies.len()];
         for pair in find_pairs(bodies, &self.predicted, 0.0) {
@@ -93,6 +101,14 @@ impl Collisions {
                     .flatten()
                     .map(|blow| blow.borne / blow.impulse)
                     .fold(1.0, f64::min);
+                let is_glued = pair.both().into_iter().any(|i| bodies.surfaces[i].glued);
+                let part = if is_glued && matches!(response, Response::BounceAndBreak) {
+                    bonds(bodies, &approach, &impulse, (pair, &self.predicted))
+                } else {
+                    None
+                };
+                pair.both().into_iter().for_each(|i| broken[i] |= part.is_some());
+                let borne = borne.min(part.unwrap_or(1.0));
                 self.apply(bodies, pair, &approach, &impulse.scaled(borne), frame);
                 pass.any = true;
                 for (blow, i) in blows.into_iter().zip([pair.first, pair.second]) {

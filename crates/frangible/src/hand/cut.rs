@@ -155,7 +155,7 @@ impl World {
         let names: BTreeSet<[u32; 2]> = lost.map(|bond| glued.name_of(bond)).collect();
         glued.cut(&names);
         let broken = Broken { body, striker: body, point, impulse: 0.0, borne: 0.0 };
-        let fractures = fall_apart(self, &[broken]);
+        let (fractures, _) = fall_apart(self, &[broken]);
         self.report_later(fractures)
     }
 

@@ -54,7 +54,12 @@ impl Totals {
     }
 
     /// Sums over a range of bodies.
-    fn of_some(bodies: &Bodies, some: Range<usize>, poses: &[Pose], frame: &Frame) -> Self {
+    pub(crate) fn of_some(
+        bodies: &Bodies,
+        some: Range<usize>,
+        poses: &[Pose],
+        frame: &Frame,
+    ) -> Self {
         let mut sum = Self::default();
         for i in some {
             let (inertia, pose, velocity) = (&bodies.inertias[i], &poses[i], &bodies.velocities[i]);
@@ -82,7 +87,7 @@ impl Totals {
         sum
     }
 
-    fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             mass: self.mass + other.mass,
             kinetic: self.kinetic + other.kinetic,

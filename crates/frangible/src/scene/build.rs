@@ -304,6 +304,7 @@ fn build_surface(desc: &BodyDesc, at: &Checker) -> Result<SurfaceProperties, Bui
         spinning_friction: at.field("spinning_friction").not_negative(desc.spinning_friction)?,
         restitution: at.field("restitution").within(desc.restitution, 0.0, 1.0)?,
         strength: f64::INFINITY,
+        glued: false,
         class: CollisionClass::default(),
     })
 }

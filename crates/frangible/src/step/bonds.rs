@@ -3,63 +3,38 @@
 
 pub(crate) mod blows;
 pub(crate) mod fall_apart;
-pub(crate) mod rehearsal;
 pub(crate) mod state;
 
 use crate::report::Fracture;
-use crate::step::bonds::blows::Blows;
 use crate::step::bonds::fall_apart::{Broken, fall_apart, field_in_pieces};
-use crate::step::bonds::rehearsal::rehearse;
 use crate::step::bonds::state::IMPACT_TIME;
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, Frame, Pair};
 use frangible_collision::{ImpulseCache, Manifold};
-use frangible_dynamics::{ContactForce, FrameAccounts, contact_forces};
+use frangible_dynamics::{ContactForce, contact_forces};
 use frangible_fracture::PointLoad;
 
 /// Carried loads are forgotten below this part of the largest force [1].
 const FAINT: f64 = 1e-2;
 
-/// Bodies freed before the energy accounts open.
-#[derive(Default)]
-pub(crate) struct Freed {
-    pub(crate) fractures: Vec<Fracture>,
-    /// The frame's blows on bonds that are still to act.
-    pub(crate) blows: Blows,
-}
-
-/// Breaks bonds overloaded by weight and contacts, and anchored bodies under impact. Freed bodies
-/// start at rest, before the energy accounts open: the static world has no accounts.
-pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Freed {
+/// Breaks bonds overloaded by weight and contacts. What was anchored starts at rest, before the
+/// energy accounts open: the static world has no accounts.
+pub(crate) fn free_overloaded(world: &mut World, frame: &Frame) -> Vec<Fracture> {
     let mut overloaded = Vec::new();
     for body in 0..world.bodies.len() {
         // Few are glued.
         if !world.labels[body].may_lose_bonds() {
             continue;
         }
-        let (field, density) = (field_in_pieces(world, body, frame), world.bodies.densities[body]);
+        let field = field_in_pieces(&world.bodies, body, frame);
+        let density = world.bodies.densities[body];
         let Some(bonds) = &mut world.labels[body].bonds else { continue };
         if !bonds.glued.give_way(&bonds.carried, field, density).broken.is_empty() {
             let point = world.bodies.poses[body].position;
             overloaded.push(Broken { body, striker: body, point, impulse: 0.0, borne: 0.0 });
         }
     }
-    let mut fractures = fall_apart(world, &overloaded);
-    let mut blows = rehearse(world, frame);
-    fractures.extend(blows.break_anchored(world));
-    Freed { fractures, blows }
-}
-
-/// Applies the impulses borne by broken bonds to both bodies; then separates free bodies into their
-/// islands.
-pub(crate) fn strike_bonds(
-    world: &mut World,
-    blows: &Blows,
-    frame: &Frame,
-) -> (Vec<Fracture>, FrameAccounts) {
-    let mut accounts = FrameAccounts::default();
-    blows.act(world, frame, &mut accounts);
-    (blows.break_free(world), accounts)
+    fall_apart(world, &overloaded).0
 }
 
 /// Contact forces on glued bodies: they load the bonds in the next frame.

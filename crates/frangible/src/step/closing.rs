@@ -2,7 +2,7 @@
 
 use crate::hand::state::Handled;
 use crate::report::books::Totals;
-use crate::report::{Fracture, Impulses, StepReport};
+use crate::report::{Fracture, Impulses, StepReport, id_from_number};
 use crate::step::moved::Moved;
 use crate::world::World;
 use frangible_bodies::Frame;
@@ -14,15 +14,35 @@ pub(crate) struct Opening {
     energies: EnergyAtStart,
     /// In the ledger's banks [J].
     bank: f64,
+    /// What came free of anchors: it starts at rest.
+    freed: Vec<Fracture>,
 }
 
 impl Opening {
-    pub(crate) fn of(world: &World, frame: &Frame) -> Self {
+    pub(crate) fn of(world: &World, freed: Vec<Fracture>, frame: &Frame) -> Self {
         Self {
             totals: Totals::of(&world.bodies, frame),
             energies: EnergyAtStart::new(&world.bodies, frame),
             bank: world.ledger.bank(),
+            freed,
         }
+    }
+
+    /// Enters the pieces of anchored bodies that have come free since.
+    pub(crate) fn admit(&mut self, world: &World, freed: Vec<Fracture>, frame: &Frame) {
+        let pieces = freed.iter().flat_map(|fracture| &fracture.fragments);
+        for i in pieces.filter_map(|&piece| world.bodies.index_of(id_from_number(piece))) {
+            if !world.bodies.inertias[i].is_infinite() {
+                self.totals = self.totals.plus(Totals::of_some(
+                    &world.bodies,
+                    i..i + 1,
+                    &world.bodies.poses,
+                    frame,
+                ));
+                self.energies.admit(&world.bodies, i, frame);
+            }
+        }
+        self.freed.extend(freed);
     }
 
     /// Balances the energy of every island; broken bodies are in one with their fragments.
@@ -37,18 +57,16 @@ impl Opening {
         world.ledger.balance(&mut world.bodies, &self.energies, contact_free, frame, accounts)
     }
 
-    /// Closes the books and reports, without the times of the stages. `freed` broke before the
-    /// books were opened; the caller's deeds before the frame are part of its report.
+    /// Closes the books and reports, without the times of the stages. The caller's deeds before the frame are part of its report.
     pub(crate) fn close(
         self,
         world: &mut World,
         moved: &mut Moved,
-        freed: Vec<Fracture>,
         balance: LedgerReport,
         frame: &Frame,
     ) -> StepReport {
         let Handled { work: by_hand, mut fractures } = std::mem::take(&mut world.hand.handled);
-        fractures.extend(freed);
+        fractures.extend(self.freed);
         fractures.append(&mut moved.fractures);
         let accounts = &mut moved.accounts;
         let after = Totals::of(&world.bodies, frame);

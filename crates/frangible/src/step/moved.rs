@@ -32,12 +32,3 @@ pub(crate) struct Moved {
     /// Waiting bodies that a blow reached.
     pub(crate) hit: Vec<BodyId>,
 }
-
-impl Moved {
-    /// Adds the bonds that broke before the motion.
-    pub(crate) fn add_broken_bonds(&mut self, bonds: (Vec<Fracture>, FrameAccounts)) {
-        let (fractures, accounts) = bonds;
-        self.fractures.splice(0..0, fractures);
-        self.accounts.add(accounts);
-    }
-}

@@ -3,25 +3,32 @@
 
 use crate::report::Fracture;
 use crate::report::books::{Totals, gravity_impulse};
+use crate::step::bonds::blows::{BlowOnBonds, Overstrained};
 use crate::step::break_bodies::break_and_book;
+use crate::step::closing::Opening;
 use crate::step::moved::Moved;
 use crate::step::quarantine::Before;
 use crate::step::stage_clock::StageClock;
-use crate::world::World;
-use frangible_bodies::{Frame, accelerate};
-use frangible_collision::find_pairs;
+use crate::world::{Label, World};
+use frangible_bodies::{Bodies, Frame, Pair, Pose, accelerate};
+use frangible_collision::{ContactPoint, find_pairs};
 use frangible_dynamics::{
-    Collisions, Contact, ContactFreeState, Phase, Response, contact_graph, propagate_shock,
-    push_out,
+    Approach, Collisions, Contact, ContactFreeState, PairImpulse, Phase, PointImpulse, Response,
+    contact_graph, propagate_shock, push_out,
 };
 
 /// The paper's way from x^n, v^n to x^{n+1}, v^{n+1}: collisions, and two updates, each with
 /// contact [SSF08].
-pub(crate) fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
+pub(crate) fn move_by_newmark(
+    world: &mut World,
+    opening: &mut Opening,
+    frame: &Frame,
+    clock: &mut StageClock,
+) -> Moved {
     // Collide and break [Su09 sec. 3.2, 4.2]: impulses come from the split state (x^{n+1}, v^n),
     // change v^n, and are clamped against (x^n, v^n).
     let mut collisions = Collisions::new(&world.bodies, frame);
-    let fractures = collide_and_break(world, &mut collisions, frame, clock);
+    let fractures = collide_and_break(world, &mut collisions, opening, frame, clock);
     let Collisions { predicted, mut accounts, .. } = collisions;
     let before = Before::of(&world.bodies);
 
@@ -77,6 +84,7 @@ pub(crate) fn move_by_newmark(world: &mut World, frame: &Frame, clock: &mut Stag
 fn collide_and_break(
     world: &mut World,
     collisions: &mut Collisions,
+    opening: &mut Opening,
     frame: &Frame,
     clock: &mut StageClock,
 ) -> Vec<Fracture> {
@@ -86,13 +94,26 @@ fn collide_and_break(
     while passes < frame.settings.collision_passes {
         let may_break = breaking_passes < frame.settings.breaking_passes;
         let response = if may_break { Response::BounceAndBreak } else { Response::Bounce };
-        let pass = collisions.pass(&mut world.bodies, response, frame);
+        let mut overstrained = Overstrained::default();
+        let World { bodies, labels, .. } = &mut *world;
+        let bonds = |bodies: &Bodies, approach: &Approach, impulse: &PairImpulse, at: (Pair, &[Pose])| {
+            strain(&mut overstrained, (bodies, labels), (approach, impulse), at, frame)
+        };
+        let pass = collisions.pass(bodies, response, bonds, frame);
         clock.lap("collisions");
+        let has_broken_bonds = overstrained.any_falls_apart();
+        let (broken, new_index) = overstrained.fall_apart(world, opening, frame);
+        fractures.extend(broken);
+        if has_broken_bonds {
+            collisions.rebase(&world.bodies, &new_index, frame);
+        }
         if !pass.blows.is_empty() {
             let (broken, new_index) =
                 break_and_book(world, &pass.blows, &mut collisions.accounts, frame);
             collisions.rebase(&world.bodies, &new_index, frame);
             fractures.extend(broken);
+        }
+        if has_broken_bonds || !pass.blows.is_empty() {
             breaking_passes += 1;
             clock.lap("break_bodies");
             continue;
@@ -103,6 +124,27 @@ fn collide_and_break(
         passes += 1;
     }
     fractures
+}
+
+/// Loads bonds with a collision, but with one no faster than gravity sets a body in motion within a
+/// frame: its weight is no blow. Returns the part that acts if pieces come free [1].
+fn strain(
+    overstrained: &mut Overstrained,
+    (bodies, labels): (&Bodies, &[Label]),
+    (approach, impulse): (&Approach, &PairImpulse),
+    (pair, predicted): (Pair, &[Pose]),
+    frame: &Frame,
+) -> Option<f64> {
+    let ContactPoint { point, normal } = approach.contact;
+    if -approach.relative_velocity.dot(normal) <= frame.gravity.length() * frame.dt {
+        return None;
+    }
+    let poses = pair.both().map(|i| predicted[i]);
+    let at = poses.map(|pose| pose.world_from_body().inverse().point(point));
+    let impulse = impulse.at_contact;
+    let parts = &[PointImpulse { at, impulse }];
+    let blow = BlowOnBonds { pair, poses, parts, impulse, point };
+    overstrained.strain(bodies, labels, &blow, frame)
 }
 
 /// Twice as far as bodies fall in one frame from rest [m]: bounds that come this close may belong

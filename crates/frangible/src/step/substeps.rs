@@ -1,8 +1,10 @@
 //! The frame-rate method: one detection at x^n, then substeps ([Cat24], [Mac19]; adr/010).
 
 use crate::report::{BorneBlow, Fracture, id_number};
+use crate::step::bonds::blows::{BlowOnBonds, Overstrained};
 use crate::step::bonds::{glued_contact_forces, note_carried};
 use crate::step::break_bodies::break_by_strikes;
+use crate::step::closing::Opening;
 use crate::step::local_strength::bears_at;
 use crate::step::moved::Moved;
 use crate::step::quarantine::{Before, take_out_faulty};
@@ -10,10 +12,10 @@ use crate::step::stage_clock::StageClock;
 use crate::step::waiting::passed_on::{hit_through_others, waiting_contacts};
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, Pair, predict};
-use frangible_collision::{ImpulseCache, Manifold, Swept};
+use frangible_collision::{ContactPoint, ImpulseCache, Manifold, Swept};
 use frangible_dynamics::{
-    Bearing, ContactForce, ContactFreeState, FrameAccounts, Impact, Solved, find_impact_chain,
-    hardest_blow, solve, strikes,
+    Bearing, ContactForce, ContactFreeState, FrameAccounts, Impact, Solved, Strike,
+    find_impact_chain, hardest_blow, in_order, pass_on, solve, strikes,
 };
 use glam::DVec3;
 use std::collections::BTreeSet;
@@ -26,7 +28,12 @@ const MOST_AGAIN: usize = 4096;
 /// Moves all bodies from x^n, v^n to x^{n+1}, v^{n+1}. What the impacts of the frame break, breaks at
 /// its start [Su09 sec. 4.2], and the frame is done again: fragments meet their striker in the
 /// frame that made them, and break in turn.
-pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut StageClock) -> Moved {
+pub(crate) fn move_by_substeps(
+    world: &mut World,
+    opening: &mut Opening,
+    frame: &Frame,
+    clock: &mut StageClock,
+) -> Moved {
     let (mut accounts, mut quarantined) = (FrameAccounts::default(), Vec::new());
     let mut fractures: Vec<Fracture> = Vec::new();
     let mut borne = None;
@@ -39,14 +46,15 @@ pub(crate) fn move_by_substeps(world: &mut World, frame: &Frame, clock: &mut Sta
         let start = may_break.then(|| FrameStart::of(world));
         let mut solved = solve_frame(world, &fractures, &accounts, frame, clock);
         let impacts = std::mem::take(&mut solved.impacts);
-        let (blows, mut recent) = world.recent_impacts.blows(&world.bodies, impacts, frame.dt);
+        let (mut blows, mut recent) = world.recent_impacts.blows(&world.bodies, impacts, frame.dt);
         if let (0, Some(start)) = (passes, &start) {
             borne = nearest_to_break(world, &start.bodies, &blows);
         }
+        in_order(&mut blows);
         let broken = start
-            .map_or(Vec::new(), |start| break_struck(world, start, blows, &mut accounts, frame));
+            .and_then(|start| break_struck(world, start, &blows, (&mut accounts, opening), frame));
         clock.lap("break_bodies");
-        if !broken.is_empty() {
+        if let Some(broken) = broken {
             fractures.extend(broken);
             passes += 1;
             may_break_more = solved.pairs <= MOST_AGAIN;
@@ -177,31 +185,83 @@ fn solve_frame(
     }
 }
 
-/// Breaks at the frame's `start` what its impacts break. If nothing comes off, the frame stays as it
-/// is.
+/// Breaks at the frame's `start` what its blows break, bonds first. If nothing comes off, the frame
+/// stays as it is.
 fn break_struck(
     world: &mut World,
     start: FrameStart,
-    blows: Vec<Impact>,
-    accounts: &mut FrameAccounts,
+    blows: &[Impact],
+    (accounts, opening): (&mut FrameAccounts, &mut Opening),
     frame: &Frame,
-) -> Vec<Fracture> {
+) -> Option<Vec<Fracture>> {
     let local = |bodies: &Bodies, i, at| bears_at(bodies, &world.labels, i, at);
     let strikes = strikes(&start.bodies, blows, &local);
+    let (overstrained, felt) = strain_bonds(world, &start.bodies, blows, &strikes, frame);
+    if overstrained.any_falls_apart() {
+        (world.bodies, world.warm) = (start.bodies, start.warm);
+        for (blow, impulse) in felt {
+            let contact = ContactPoint { point: blow.acts_at, normal: blow.contact.normal };
+            pass_on(&mut world.bodies, blow.pair, contact, impulse, frame, accounts);
+        }
+        return Some(overstrained.fall_apart(world, opening, frame).0);
+    }
     if strikes.is_empty() {
-        return Vec::new();
+        overstrained.fall_apart(world, opening, frame);
+        return None;
     }
     let mut solved = FrameStart {
         bodies: std::mem::replace(&mut world.bodies, start.bodies),
         warm: std::mem::replace(&mut world.warm, start.warm),
     };
     let fractures = break_by_strikes(world, &strikes, accounts, frame);
-    if fractures.is_empty() {
-        // Strengths stay, of what cannot split.
-        std::mem::swap(&mut solved.bodies.surfaces, &mut world.bodies.surfaces);
-        (world.bodies, world.warm) = (solved.bodies, solved.warm);
+    if !fractures.is_empty() {
+        return Some(fractures);
     }
-    fractures
+    // Strengths stay, of what cannot split.
+    std::mem::swap(&mut solved.bodies.surfaces, &mut world.bodies.surfaces);
+    (world.bodies, world.warm) = (solved.bodies, solved.warm);
+    None
+}
+
+/// Loads bonds with blows, in their order. A blow is known if neither body was turned off its way
+/// before, by `strikes` that may break it or by bonds that gave way. Returns the blows that bring
+/// pieces free, with the part that bonds bore and that has not acted yet, on the first body [N s].
+fn strain_bonds<'a>(
+    world: &World,
+    start: &Bodies,
+    blows: &'a [Impact],
+    strikes: &[Strike],
+    frame: &Frame,
+) -> (Overstrained, Vec<(&'a Impact, DVec3)>) {
+    let mut is_known_until = vec![f64::INFINITY; start.len()];
+    for strike in strikes {
+        for i in strike.pair.both() {
+            is_known_until[i] = is_known_until[i].min(strike.time);
+        }
+    }
+    let (mut overstrained, mut felt) = (Overstrained::default(), Vec::new());
+    for blow in blows.iter().filter(|blow| !blow.parts.is_empty()) {
+        let Impact { pair, poses, parts, impulse, contact, earlier, time, .. } = blow;
+        let both = pair.both();
+        if both.into_iter().any(|i| *time > is_known_until[i]) {
+            continue;
+        }
+        let on_bonds = BlowOnBonds {
+            pair: *pair,
+            poses: *poses,
+            parts,
+            impulse: *impulse,
+            point: contact.point,
+        };
+        if let Some(bore) = overstrained.strain(start, &world.labels, &on_bonds, frame) {
+            let left = bore * *impulse - *earlier;
+            felt.push((blow, if left.dot(*impulse) > 0.0 { left } else { DVec3::ZERO }));
+            for i in both.into_iter().filter(|&i| !start.inertias[i].is_infinite()) {
+                is_known_until[i] = *time;
+            }
+        }
+    }
+    (overstrained, felt)
 }
 
 /// True for two fragments of one body that broke in this frame.

@@ -1,123 +1,134 @@
-//! Effects of a frame's blows on glued bodies.
+//! Blows on glued bodies: an impulse loads the bonds for a few milliseconds.
 
-use crate::report::{Fracture, id_from_number, id_number};
-use crate::step::bonds::fall_apart::{Broken, fall_apart};
-use crate::world::World;
-use frangible_bodies::{Bodies, BodyId, Frame, Pair};
-use frangible_collision::ContactPoint;
-use frangible_dynamics::{Approach, FrameAccounts, PairImpulse, pass_on};
+use crate::report::{Fracture, id_number};
+use crate::step::bonds::fall_apart::{Broken, fall_apart, field_in_pieces};
+use crate::step::bonds::state::IMPACT_TIME;
+use crate::step::closing::Opening;
+use crate::world::{Label, World};
+use frangible_bodies::{Bodies, BodyId, Frame, Pair, Pose};
+use frangible_dynamics::PointImpulse;
+use frangible_fracture::{Glued, PointLoad};
 use glam::DVec3;
-use std::collections::BTreeSet;
 
-/// Broken bonds per body, and impulses on strikers.
+/// A blow on a glued body.
+pub(crate) struct BlowOnBonds<'a> {
+    pub(crate) pair: Pair,
+    pub(crate) poses: [Pose; 2],
+    pub(crate) parts: &'a [PointImpulse],
+    /// The parts' sum, on the first body [N s].
+    pub(crate) impulse: DVec3,
+    /// World frame [m].
+    pub(crate) point: DVec3,
+}
+
+/// Bodies with bonds that gave way to blows.
 #[derive(Default)]
-pub(crate) struct Blows {
-    /// One entry per body with lost bonds, in order of impact.
-    pub(super) cuts: Vec<Cut>,
-    /// Impulses in order of action.
-    pub(super) felt: Vec<Felt>,
+pub(crate) struct Overstrained {
+    bodies: Vec<OverstrainedBody>,
 }
 
-/// Lost bonds of a body.
-pub(super) struct Cut {
-    pub(super) body: BodyId,
-    /// Their names in [`frangible_fracture::Glued::name_of`].
-    pub(super) bonds: BTreeSet<[u32; 2]>,
-    /// Of the first blow: who strikes, where in the world [m], the impulse that would have stopped
-    /// it, and what bonds bore before the struck piece came free [N s].
-    pub(super) striker: BodyId,
-    pub(super) point: DVec3,
-    pub(super) impulse: f64,
-    pub(super) borne: f64,
+struct OverstrainedBody {
+    id: BodyId,
+    /// With the bonds that hold.
+    glued: Glued,
+    /// Of the first blow: who strikes, where in the world [m], the impulse and what of it bonds bore
+    /// before the struck piece came free [N s].
+    striker: BodyId,
+    point: DVec3,
+    impulse: f64,
+    borne: f64,
 }
 
-/// An impulse borne by bonds.
-pub(super) struct Felt {
-    /// Its opposite acts on the second.
-    pub(super) pair: [BodyId; 2],
-    /// On the first body, in the world frame [N s].
-    pub(super) impulse: DVec3,
-    /// Point of action: index of a movable body of the pair, and offset from its centre of mass
-    /// [m].
-    pub(super) at: (usize, DVec3),
-}
-
-impl Blows {
-    /// Adds bonds to those that a body loses.
-    pub(super) fn cut(&mut self, cut: Cut) {
-        match self.cuts.iter_mut().find(|known| known.body == cut.body) {
-            Some(known) => known.bonds.extend(cut.bonds),
-            None => self.cuts.push(cut),
-        }
+impl Overstrained {
+    pub(crate) fn contains(&self, id: BodyId) -> bool {
+        self.bodies.iter().any(|body| body.id == id)
     }
 
-    /// Replaces anchored bodies with lost bonds by their remaining parts; the impulses act on the
-    /// part still anchored.
-    pub(super) fn break_anchored(&mut self, world: &mut World) -> Vec<Fracture> {
-        let fractures = self.break_some(world, true);
-        for fracture in &fractures {
-            let parts = fracture.fragments.iter().map(|&part| id_from_number(part));
-            let is_fixed = |id: &BodyId| {
-                world.bodies.index_of(*id).is_some_and(|i| world.bodies.inertias[i].is_infinite())
-            };
-            let Some(fixed) = parts.into_iter().find(is_fixed) else { continue };
-            for id in self.felt.iter_mut().flat_map(|felt| &mut felt.pair) {
-                if id_number(*id) == fracture.body {
-                    *id = fixed;
-                }
-            }
-        }
-        fractures
+    /// True if a body falls apart.
+    pub(crate) fn any_falls_apart(&self) -> bool {
+        self.bodies.iter().any(|body| body.glued.islands().len() > 1)
     }
 
-    /// Lets act what bonds bore, where both bodies of the pair are alive.
-    pub(super) fn act(&self, world: &mut World, frame: &Frame, accounts: &mut FrameAccounts) {
-        for Felt { pair, impulse, at } in &self.felt {
-            let [Some(a), Some(b)] = pair.map(|id| world.bodies.index_of(id)) else { continue };
-            let (side, lever) = *at;
-            let point = world.bodies.poses[[a, b][side]].position + lever;
-            let (pair, at_contact) = if a < b {
-                (Pair { first: a, second: b }, *impulse)
-            } else {
-                (Pair { first: b, second: a }, -*impulse)
-            };
-            let Some(normal) = at_contact.try_normalize() else { continue };
-            let approach = approach(&world.bodies, pair, ContactPoint { point, normal });
-            let impulse = PairImpulse::new(&approach, at_contact);
-            pass_on(&mut world.bodies, pair, &approach, &impulse, frame, accounts);
-        }
-    }
-
-    /// Replaces bodies that move freely and lose bonds by their islands.
-    pub(super) fn break_free(&self, world: &mut World) -> Vec<Fracture> {
-        self.break_some(world, false)
-    }
-
-    fn break_some(&self, world: &mut World, anchored: bool) -> Vec<Fracture> {
-        let mut broken = Vec::new();
-        for Cut { body, bonds, striker, point, impulse, borne } in &self.cuts {
-            let Some(i) = world.bodies.index_of(*body) else { continue };
-            if world.bodies.inertias[i].is_infinite() != anchored {
+    /// Loads the bonds of both bodies with a blow, up to what the weaker one bears if it breaks.
+    /// If a struck piece comes free, the part of the blow that acts before [1].
+    pub(crate) fn strain(
+        &mut self,
+        bodies: &Bodies,
+        labels: &[Label],
+        blow: &BlowOnBonds<'_>,
+        frame: &Frame,
+    ) -> Option<f64> {
+        let both = blow.pair.both();
+        let whole = blow.impulse.length();
+        let most = both.map(|i| bodies.strength(i)).into_iter().fold(whole, f64::min) / whole;
+        let mut bore = None;
+        for (side, i) in both.into_iter().enumerate() {
+            let Some(bonds) = &labels[i].bonds else { continue };
+            if !labels[i].may_lose_bonds() || blow.parts.is_empty() {
                 continue;
             }
-            if let Some(of_body) = &mut world.labels[i].bonds {
-                of_body.glued.cut(bonds);
+            let known = self.bodies.iter().position(|body| body.id == bodies.ids[i]);
+            let mut glued = known.map_or(&bonds.glued, |at| &self.bodies[at].glued).clone();
+            let loads = loads(bodies, blow, side, most);
+            let middle = loads.iter().map(|load| load.point).sum::<DVec3>() / loads.len() as f64;
+            let loads = glued.spread(loads);
+            let gave =
+                glued.give_way(&loads, field_in_pieces(bodies, i, frame), bodies.densities[i]);
+            if gave.broken.is_empty() {
+                continue;
             }
-            let striker = world.bodies.index_of(*striker).unwrap_or(i);
-            let (point, impulse, borne) = (*point, *impulse, *borne);
-            broken.push(Broken { body: i, striker, point, impulse, borne });
+            if glued.comes_free(middle) {
+                bore = Some(bore.unwrap_or(most).min(gave.bore * most));
+            }
+            if let Some(at) = known {
+                self.bodies[at].glued = glued;
+            } else {
+                let (id, striker) = (bodies.ids[i], bodies.ids[both[1 - side]]);
+                let (point, impulse) = (blow.point, whole);
+                let borne = bore.unwrap_or(most) * whole;
+                self.bodies.push(OverstrainedBody { id, glued, striker, point, impulse, borne });
+            }
         }
-        fall_apart(world, &broken)
+        bore
+    }
+
+    /// Takes the bonds out of the world that gave way, and replaces bodies by their islands. What was
+    /// anchored starts at rest and enters the books. Returns the other fractures, and the new dense
+    /// index of each old one.
+    pub(crate) fn fall_apart(
+        self,
+        world: &mut World,
+        opening: &mut Opening,
+        frame: &Frame,
+    ) -> (Vec<Fracture>, Vec<Option<usize>>) {
+        let mut broken = Vec::new();
+        let mut anchored = Vec::new();
+        for OverstrainedBody { id, glued, striker, point, impulse, borne } in self.bodies {
+            let Some(body) = world.bodies.index_of(id) else { continue };
+            let Some(bonds) = &mut world.labels[body].bonds else { continue };
+            bonds.glued = glued;
+            if world.bodies.inertias[body].is_infinite() {
+                anchored.push(id_number(id));
+            }
+            let striker = world.bodies.index_of(striker).unwrap_or(body);
+            broken.push(Broken { body, striker, point, impulse, borne });
+        }
+        let (fractures, new_index) = fall_apart(world, &broken);
+        let (freed, fractures) =
+            fractures.into_iter().partition(|fracture| anchored.contains(&fracture.body));
+        opening.admit(world, freed, frame);
+        (fractures, new_index)
     }
 }
 
-/// Relative motion of a pair at a point.
-fn approach(bodies: &Bodies, pair: Pair, contact: ContactPoint) -> Approach {
-    let sides = [pair.first, pair.second];
-    let levers = sides.map(|i| contact.point - bodies.poses[i].position);
-    let [first, second] = [0, 1].map(|side| {
-        let i = sides[side];
-        bodies.point_velocity(i, &bodies.poses[i], &bodies.velocities[i], levers[side])
-    });
-    Approach { contact, levers, relative_velocity: first - second }
+/// Forces of a part of a blow on one of its bodies, in the frame of the pieces.
+fn loads(bodies: &Bodies, blow: &BlowOnBonds<'_>, side: usize, part: f64) -> Vec<PointLoad> {
+    let pieces_from_body = bodies.shapes[blow.pair.both()[side]].body_from_grid.inverse();
+    let in_body = blow.poses[side].world_from_body().inverse();
+    let sign = if side == 0 { 1.0 } else { -1.0 };
+    let load = |PointImpulse { at, impulse }: &PointImpulse| PointLoad {
+        point: pieces_from_body.point(at[side]),
+        force: pieces_from_body.direction(in_body.direction(sign * part / IMPACT_TIME * *impulse)),
+    };
+    blow.parts.iter().map(load).collect()
 }

@@ -5,7 +5,7 @@ use crate::report::at_rest::at_rest;
 use crate::report::{Fracture, Imbalance, id_number};
 use crate::step::break_bodies::{fragment_body, imbalance};
 use crate::world::{Label, World};
-use frangible_bodies::{Frame, Motion, NewBody};
+use frangible_bodies::{Bodies, Frame, Motion, NewBody};
 use frangible_fracture::{Fragment, Glued};
 use glam::DVec3;
 
@@ -19,8 +19,11 @@ pub(crate) struct Broken {
 }
 
 /// Replaces bodies with lost bonds by their islands, in place and with their motion. A single
-/// island only updates its bonds.
-pub(crate) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> {
+/// island only updates its bonds. Also returns the new dense index of each old one.
+pub(crate) fn fall_apart(
+    world: &mut World,
+    broken: &[Broken],
+) -> (Vec<Fracture>, Vec<Option<usize>>) {
     let mut gone = vec![false; world.bodies.len()];
     let mut born: Vec<(NewBody, Label)> = Vec::new();
     let mut fractures = Vec::new();
@@ -56,14 +59,14 @@ pub(crate) fn fall_apart(world: &mut World, broken: &[Broken]) -> Vec<Fracture> 
             },
         });
     }
-    world.remove(&gone);
+    let new_index = world.remove(&gone);
     let mut born = born.into_iter();
     for fracture in &mut fractures {
         for (id, (body, label)) in fracture.fragments.iter_mut().zip(&mut born) {
             *id = id_number(world.spawn(body, label));
         }
     }
-    fractures
+    (fractures, new_index)
 }
 
 /// Body of an island of pieces. Pieces always have volume, hence so does the body.
@@ -100,7 +103,7 @@ fn island_body(
 }
 
 /// Gravity in the frame of a body's pieces [m/s^2].
-pub(super) fn field_in_pieces(world: &World, body: usize, frame: &Frame) -> DVec3 {
-    let in_body = world.bodies.poses[body].orientation.conjugate() * frame.gravity;
-    world.bodies.shapes[body].body_from_grid.inverse().direction(in_body)
+pub(super) fn field_in_pieces(bodies: &Bodies, body: usize, frame: &Frame) -> DVec3 {
+    let in_body = bodies.poses[body].orientation.conjugate() * frame.gravity;
+    bodies.shapes[body].body_from_grid.inverse().direction(in_body)
 }

@@ -4,7 +4,7 @@ use crate::step::waiting::state::least_hit;
 use crate::world::{Label, World};
 use frangible_bodies::{Bodies, BodyId, Frame, Motion, Pair, Pose, Velocity, predict};
 use frangible_collision::{ImpulseCache, ManifoldFinder, ManifoldPoint, find_swept_pairs};
-use frangible_dynamics::upcoming_impact;
+use frangible_dynamics::touch_by_rotation;
 use glam::DVec3;
 
 /// Touches that are no further apart in time than this share of a frame are at once [1].
@@ -126,6 +126,8 @@ fn hit_of(
     let time = |point: &ManifoldPoint| point.gap.max(0.0) / point.approach;
     let is_due = |point: &&ManifoldPoint| point.approach > 0.0 && time(point) <= frame.dt;
     let manifold = finder.find(bodies, pair, &ImpulseCache::default(), frame);
+    let mut points = manifold.iter().flat_map(|manifold| manifold.points);
+    let is_touching = points.any(|point| point.gap <= 0.0);
     let points = manifold.iter().flat_map(|manifold| manifold.points).filter(is_due);
     let hits = points.map(|point| Hit {
         speed: closing(point.middle(bodies, pair), point.normal),
@@ -136,8 +138,10 @@ fn hit_of(
         return hit;
     }
     // Fast rotation may bring a contact that no point of the start has.
-    upcoming_impact(bodies, pair, predicted, frame).map_or(Hit::NONE, |impact| {
-        let contact = impact.approach.contact;
-        Hit { speed: closing(contact.point, contact.normal), time: frame.dt }
+    let contact =
+        if is_touching { None } else { touch_by_rotation(bodies, pair, predicted, finder) };
+    contact.map_or(Hit::NONE, |contact| Hit {
+        speed: closing(contact.point, contact.normal),
+        time: frame.dt,
     })
 }
