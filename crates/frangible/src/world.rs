@@ -63,6 +63,8 @@ pub struct Label {
     pub name: String,
     /// Parent of a fragment.
     pub parent: Option<BodyId>,
+    /// Of islands of glued pieces, the body that they all were at first.
+    pub whole: Option<BodyId>,
     /// Appearance, unused by physics.
     pub look: Option<LookDesc>,
     /// Fracture data of breakable bodies. Boxed: few bodies break, and all labels are read in each

@@ -239,6 +239,7 @@ fn build_body(
     let label = Label {
         name: desc.name.clone(),
         parent: None,
+        whole: None,
         look: desc.look,
         breaking: breaking.map(Box::new),
         bonds: bonds.map(Box::new),

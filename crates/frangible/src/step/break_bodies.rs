@@ -324,6 +324,7 @@ fn fragment_label(world: &World, broken: &Break, index: usize, fragment: &Fragme
     Label {
         name: format!("{}.{index}", parent_label.name),
         parent: Some(world.bodies.ids[*parent]),
+        whole: None,
         look: if is_joint { Some(LookDesc::Mortar) } else { parent_label.look },
         breaking: if fragment.is_rest() {
             breaking.map(|breaking| {

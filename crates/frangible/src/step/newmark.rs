@@ -96,9 +96,10 @@ fn collide_and_break(
         let response = if may_break { Response::BounceAndBreak } else { Response::Bounce };
         let mut overstrained = Overstrained::default();
         let World { bodies, labels, .. } = &mut *world;
-        let bonds = |bodies: &Bodies, approach: &Approach, impulse: &PairImpulse, at: (Pair, &[Pose])| {
-            strain(&mut overstrained, (bodies, labels), (approach, impulse), at, frame)
-        };
+        let bonds =
+            |bodies: &Bodies, approach: &Approach, impulse: &PairImpulse, at: (Pair, &[Pose])| {
+                strain(&mut overstrained, (bodies, labels), (approach, impulse), at, frame)
+            };
         let pass = collisions.pass(bodies, response, bonds, frame);
         clock.lap("collisions");
         let has_broken_bonds = overstrained.any_falls_apart();

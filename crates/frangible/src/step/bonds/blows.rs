@@ -40,10 +40,6 @@ struct OverstrainedBody {
 }
 
 impl Overstrained {
-    pub(crate) fn contains(&self, id: BodyId) -> bool {
-        self.bodies.iter().any(|body| body.id == id)
-    }
-
     /// True if a body falls apart.
     pub(crate) fn any_falls_apart(&self) -> bool {
         self.bodies.iter().any(|body| body.glued.islands().len() > 1)
@@ -59,6 +55,11 @@ impl Overstrained {
         frame: &Frame,
     ) -> Option<f64> {
         let both = blow.pair.both();
+        // Islands of one body fit each other exactly, and jam as they part.
+        let [of_first, of_second] = both.map(|i| labels[i].whole);
+        if of_first.is_some() && of_first == of_second {
+            return None;
+        }
         let whole = blow.impulse.length();
         let most = both.map(|i| bodies.strength(i)).into_iter().fold(whole, f64::min) / whole;
         let mut bore = None;

@@ -84,6 +84,7 @@ fn island_body(
     let label = Label {
         name: format!("{}.{index}", world.labels[parent].name),
         parent: Some(world.bodies.ids[parent]),
+        whole: world.labels[parent].whole.or(Some(world.bodies.ids[parent])),
         look: world.labels[parent].look,
         breaking: None,
         bonds,
