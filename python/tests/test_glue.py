@@ -43,7 +43,7 @@ def test_pieces_are_glued_stand_and_break(pieces: Path, tmp_path: Path) -> None:
     run = ["run", str(pieces), "--glue", "5e5", "--ground", "--out", str(cache), "--quiet"]
     assert main([*run, "--frames", "60"]) == 0
     assert broken(Recording.load(cache)) == 0
-    ball = ["--ball", "0.4,20", "--from", "1,1,4", "--hit-at-frame", "5", "--frames", "20"]
+    ball = ["--ball", "0.4,20", "--from", "4,0.8,0.25", "--hit-at-frame", "5", "--frames", "20"]
     assert main([*run, *ball]) == 0
     assert broken(Recording.load(cache)) > 2
 

@@ -168,6 +168,41 @@ fn an_anchored_wall_loses_what_is_struck() {
     assert!(standing > 0.4 && standing < 1.79, "{standing} m^3 of 1.8 stand");
 }
 
+/// A column of twelve pieces that leans and falls over breaks into as many at all frame rates.
+#[test]
+fn a_column_that_falls_over_breaks_the_same_at_all_rates() {
+    let (width, piece, lean) = (0.4_f64, 0.25, 12_f64.to_radians());
+    let part = |n: usize| PartDesc::Box {
+        size: [width, piece, width],
+        position: [0.0, piece * (n as f64 - 5.5), 0.0],
+        orientation: [0.0, 0.0, 0.0, 1.0],
+    };
+    let pieces = |strength: f64, rate: f64| {
+        let column = BodyDesc {
+            position: [0.0, 1.5 * lean.cos() + 0.5 * width * lean.sin(), 0.0],
+            orientation: [0.0, 0.0, -(0.5 * lean).sin(), (0.5 * lean).cos()],
+            friction: 0.6,
+            restitution: 0.1,
+            bonds: Some(BondsDesc { shear_strength: strength, ..bonds(strength) }),
+            ..BodyDesc::new(
+                "column",
+                ShapeDesc::Compound { parts: (0..12).map(part).collect(), resolution: NONE },
+            )
+        };
+        let mut scene = SceneDesc::new("bonds");
+        scene.frames_per_second = rate;
+        scene.bodies.extend([BodyDesc { friction: 0.6, ..BodyDesc::ground(0.0) }, column]);
+        let mut world = World::build(&scene).unwrap();
+        run(&mut world, (2.5 * rate) as u32);
+        world.bodies().len() - 1
+    };
+    for strength in [1e6, 3e6] {
+        let counts = [24.0, 60.0, 240.0, 1000.0].map(|rate| pieces(strength, rate));
+        let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
+        assert!(*least > 2 && *most as f64 <= 1.2 * *least as f64, "{strength} Pa: {counts:?}");
+    }
+}
+
 /// User errors are reported with their place and the rule.
 #[test]
 fn wrong_bonds_are_explained() {
