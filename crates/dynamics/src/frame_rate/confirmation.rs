@@ -16,11 +16,6 @@ use glam::{DVec3, Vec3};
 /// 99th percentile of frame 40, with this value by 12.1, with 2.5 by 12.5.
 const WIDER: f64 = 1.25;
 
-/// Detections in a frame for each manifold, and at least in all [1]. The crowds of `rain-25` ask for
-/// 3.3. Without a bound 309 pieces that an impact spun in one place asked for 70, in 6 s.
-const LOOKS: usize = 4;
-const LEAST_LOOKS: usize = 4096;
-
 /// Pairs per task: a tenth of a millisecond of work.
 const SHARE: usize = 32;
 
@@ -41,7 +36,7 @@ impl<I: Instructions> Group<I> {
         for at in self.speculative.asking.take() {
             let batch = &mut self.batches[at];
             for lane in batch.take_asking() {
-                if self.looks > 0 {
+                if self.speculative.looks > 0 {
                     asked.push(self.selections[batch.constraints[lane] as usize].manifold);
                 } else {
                     batch.unconfirmed.set(lane, false);
@@ -56,7 +51,7 @@ impl<I: Instructions> Group<I> {
         }
         asked.sort_unstable();
         asked.dedup();
-        self.looks = self.looks.saturating_sub(asked.len());
+        self.speculative.looks = self.speculative.looks.saturating_sub(asked.len());
 
         let substep = Frame { dt: self.h, ..*frame };
         let (selections, solver_bodies) = (&self.selections, &self.bodies);
@@ -175,11 +170,6 @@ impl<I: Instructions> Group<I> {
             stays
         });
     }
-}
-
-/// Detections of a group in a frame, of so many manifolds.
-pub(super) fn looks_of_frame(manifolds: usize) -> usize {
-    (LOOKS * manifolds).max(LEAST_LOOKS)
 }
 
 /// Index of the first constraint of a manifold.

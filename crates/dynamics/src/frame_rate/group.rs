@@ -1,6 +1,5 @@
 //! Islands with equal substep counts: graph colouring of their constraints, and the substep loop.
 
-use super::confirmation::looks_of_frame;
 use super::constraints::{Selection, Source};
 use super::contact_batch::ContactBatch;
 use super::impact_log::Impact;
@@ -56,8 +55,6 @@ pub(super) struct Group<I> {
     /// Impacts in the lanes of bodies that may break.
     pub(super) impacts: Vec<Impact>,
     pub(super) budget: ImpactBudget,
-    /// Pairs that may still be detected again in the frame.
-    pub(super) looks: usize,
     pub(super) substeps: u32,
     /// Length of a substep [s].
     pub(super) h: f64,
@@ -136,7 +133,7 @@ impl<I: Instructions> Group<I> {
                 }
             }
         }
-        let speculative = SpeculativeContacts::new(&batches, places);
+        let speculative = SpeculativeContacts::new(&batches, places, members.len());
         let budget = ImpactBudget::of_frame(batches.len());
         Self {
             bodies: SolverBodies::new(bodies, body_of, frame.dt),
@@ -148,7 +145,6 @@ impl<I: Instructions> Group<I> {
             speculative,
             impacts: Vec::new(),
             budget,
-            looks: looks_of_frame(members.len()),
             substeps,
             h,
         }
@@ -211,7 +207,7 @@ impl<I: Instructions> Group<I> {
 
     /// True if the frame had no time left for some of its impacts or detections.
     pub(super) fn is_short(&self) -> bool {
-        self.budget.is_short() || self.looks == 0
+        self.budget.is_short() || self.speculative.looks == 0
     }
 
     /// Finds the speculative contacts that would act in this substep.
