@@ -196,8 +196,9 @@ class StepReport(TypedDict):
     #: Islands of bodies that took fewer substeps than they need, and overlap more:
     #: ``most_substeps`` bounds them, or the work of a frame if they are large.
     short_of_substeps: int
-    #: Groups of islands with more impacts than a frame has time for: the later ones were stopped
-    #: without bouncing. 0 but where bodies are crushed or rattle between others.
+    #: Groups of islands with more impacts, or contacts to detect again, than a frame has time for:
+    #: later impacts were stopped without bouncing, later contacts acted as they were first seen. 0
+    #: but where bodies are crushed, rattle between others, or spin in crowds.
     short_of_impacts: int
     #: Of all dynamic bodies [kg].
     mass: float

@@ -27,8 +27,9 @@ pub struct StepReport {
     /// Number of islands with fewer substeps than their accuracy needs, and larger overlaps:
     /// `most_substeps` is the limit, or for large islands the work of a frame.
     pub short_of_substeps: usize,
-    /// Number of groups of islands with more impacts than a frame has time for: the later ones were
-    /// stopped without bouncing. Zero but where bodies are crushed or rattle between others.
+    /// Number of groups of islands with more impacts, or contacts to detect again, than a frame has
+    /// time for: later impacts were stopped without bouncing, later contacts acted as they were first
+    /// seen. Zero but where bodies are crushed, rattle between others, or spin in crowds.
     pub short_of_impacts: usize,
     /// Mass of all dynamic bodies [kg].
     pub mass: f64,

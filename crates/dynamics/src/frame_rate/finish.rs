@@ -24,8 +24,8 @@ pub struct Solved {
     /// Number of islands with fewer substeps than their accuracy needs, limited by `most_substeps`
     /// or by the work of a frame.
     pub short_of_substeps: usize,
-    /// Number of groups of islands in which later impacts were stopped without bouncing, as those
-    /// before took the time of the frame.
+    /// Number of groups of islands in which later impacts were stopped without bouncing, or later
+    /// contacts acted as they were first seen, as those before took the time of the frame.
     pub short_of_impacts: usize,
     /// Points of the pairs that were detected again within the frame.
     pub confirmed: BTreeMap<Pair, Vec<ManifoldPoint>>,
