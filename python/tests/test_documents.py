@@ -1,4 +1,4 @@
-"""What writes measured tables and pictures into the documents."""
+"""Commands that write measured tables and pictures into the documents."""
 
 import importlib
 import sys

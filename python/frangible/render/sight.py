@@ -1,4 +1,4 @@
-"""What a camera sees of what happens in a recording: an estimate with boxes around bodies."""
+"""Visibility of the bodies that move or break: an estimate with boxes around bodies."""
 
 from __future__ import annotations
 

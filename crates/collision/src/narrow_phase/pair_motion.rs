@@ -192,7 +192,7 @@ impl<'a> PairMotion<'a> {
         if inside > 0.5 {
             return None;
         }
-        // What is deeper than by grazing comes out the nearest way.
+        // Samples deeper than by grazing come out the nearest way.
         if phi < -self.grazing() || (inside + outside).abs() > FLAT || outside > ALONG {
             return Some((contact, phi));
         }

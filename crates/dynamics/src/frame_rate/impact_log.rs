@@ -17,7 +17,7 @@ pub struct Impact {
     pub pair: Pair,
     /// On the first body, world frame [N s].
     pub impulse: DVec3,
-    /// What of it acted in frames before this one [N s].
+    /// Part of the impulse that acted in frames before this one [N s].
     pub earlier: DVec3,
     /// Start of its first substep, from the frame's start [s], and its number among the impacts of that
     /// substep and island group: a blow comes before what it causes.
@@ -41,7 +41,7 @@ pub struct Impact {
     pub parts: Vec<PointImpulse>,
 }
 
-/// What acts at a point of a contact.
+/// Impulse at a point of a contact.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct PointImpulse {
     /// In the frames of both bodies [m].

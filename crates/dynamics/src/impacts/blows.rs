@@ -93,7 +93,8 @@ pub struct Strike {
     pub time: f64,
     /// Contact at the frame's start, with the normal towards the first body.
     pub contact: ContactPoint,
-    /// Part of the impact up to the smaller strength that has not acted yet, on the first body [N s].
+    /// Part of the impact up to the smaller strength that has not acted yet, on the first body
+    /// [N s].
     pub impulse: DVec3,
     /// One for each body that breaks.
     pub blows: [Option<Blow>; 2],
@@ -119,7 +120,9 @@ pub fn strikes(bodies: &Bodies, impacts: &[Impact], local: LocalStrength) -> Vec
             continue;
         };
         let contact = ContactPoint { point: acts_at, normal: contact.normal };
-        let impulse = impulse * (borne / size) - earlier;
+        let left = impulse * (borne / size) - earlier;
+        // Where the body is weaker than where it was struck before, more acted than it bears here.
+        let impulse = if left.dot(impulse) > 0.0 { left } else { DVec3::ZERO };
         strikes.push(Strike { pair, time, contact, impulse, blows });
     }
     strikes
@@ -174,6 +177,9 @@ pub fn pass_on(
     frame: &Frame,
     accounts: &mut FrameAccounts,
 ) {
+    if impulse == DVec3::ZERO {
+        return;
+    }
     let approach = approach_at(bodies, pair, contact, &bodies.poses, &bodies.velocities);
     let mut impulse = PairImpulse::new(&approach, impulse);
     if frame.settings.impulse_clamp {

@@ -1,6 +1,6 @@
 //! Impacts that make one blow: what a pair exchanges along one normal within some milliseconds, in
-//! whichever substeps and frames. One edge of a face that slams down lands before the other. Earlier
-//! impacts count less and less, so that no blow hangs on which side of a limit one lies.
+//! whichever substeps and frames. One edge of a face that slams down lands before the other.
+//! Earlier impacts count less and less, so that no blow hangs on which side of a limit one lies.
 
 use crate::frame_rate::constraints::SAME_NORMAL;
 use crate::frame_rate::impact_log::{Impact, PointImpulse};
@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 /// Impacts no farther apart act as one [s]: two substeps of a frame of 1/24 s are 5 ms apart.
 const AS_ONE: f64 = 0.005;
 
-/// An impact is forgotten after this time [s]. With windows of a substep a wall that fell on its face
-/// bore blows of 1 at 1000 Hz and of 1.33 at 60.
+/// An impact is forgotten after this time [s]. With windows of a substep a wall that fell on its
+/// face bore blows of 1 at 1000 Hz and of 1.33 at 60.
 const MEMORY: f64 = 0.02;
 
 /// Impacts of the last milliseconds before a frame.
@@ -89,8 +89,8 @@ impl Recent {
 }
 
 impl RecentImpacts {
-    /// Largest blow of each pair along each normal, from the impacts of a frame of `dt` [s] and these
-    /// before it; and the impacts before the next frame. `bodies` are those of the frame's start.
+    /// Largest blow of each pair along each normal, from the impacts of a frame of `dt` [s] and
+    /// these before it; and the impacts before the next frame. `bodies` are those of the frame's start.
     pub fn blows(
         &self,
         bodies: &Bodies,

@@ -14,7 +14,7 @@ pub(crate) struct Opening {
     energies: EnergyAtStart,
     /// In the ledger's banks [J].
     bank: f64,
-    /// What came free of anchors: it starts at rest.
+    /// Breaks of anchored bodies: the parts start at rest.
     freed: Vec<Fracture>,
 }
 

@@ -31,8 +31,8 @@ struct OverstrainedBody {
     id: BodyId,
     /// With the bonds that hold.
     glued: Glued,
-    /// Of the first blow: who strikes, where in the world [m], the impulse and what of it bonds bore
-    /// before the struck piece came free [N s].
+    /// Of the first blow: striker, point in the world [m], impulse, and the part of it that bonds
+    /// bore before the struck piece came free [N s].
     striker: BodyId,
     point: DVec3,
     impulse: f64,
@@ -93,8 +93,8 @@ impl Overstrained {
         bore
     }
 
-    /// Takes the bonds out of the world that gave way, and replaces bodies by their islands. What was
-    /// anchored starts at rest and enters the books. Returns the other fractures, and the new dense
+    /// Takes the bonds out of the world that gave way, and replaces bodies by their islands. Parts of
+    /// anchored bodies start at rest and enter the books. Returns the other fractures, and the new dense
     /// index of each old one.
     pub(crate) fn fall_apart(
         self,
