@@ -90,7 +90,8 @@ impl Recent {
 
 impl RecentImpacts {
     /// Largest blow of each pair along each normal, from the impacts of a frame of `dt` [s] and
-    /// these before it; and the impacts before the next frame. `bodies` are those of the frame's start.
+    /// these before it; and the impacts before the next frame. `bodies` are those of the frame's
+    /// start.
     pub fn blows(
         &self,
         bodies: &Bodies,

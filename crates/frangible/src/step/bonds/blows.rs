@@ -93,9 +93,9 @@ impl Overstrained {
         bore
     }
 
-    /// Takes the bonds out of the world that gave way, and replaces bodies by their islands. Parts of
-    /// anchored bodies start at rest and enter the books. Returns the other fractures, and the new dense
-    /// index of each old one.
+    /// Takes the bonds out of the world that gave way, and replaces bodies by their islands. Parts
+    /// of anchored bodies start at rest and enter the books. Returns the other fractures, and the
+    /// new dense index of each old one.
     pub(crate) fn fall_apart(
         self,
         world: &mut World,
