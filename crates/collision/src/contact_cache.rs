@@ -10,7 +10,7 @@ use crate::contact_cache::cached_manifold::CacheChunk;
 use crate::contact_cache::cached_manifold::CachedManifold;
 use crate::contact_cache::cached_manifold::CachedPoint;
 use crate::contact_cache::cursor::{CacheCursor, REMOVED, first_pairs};
-use crate::contact_cache::prefetch::{CollisionShape, Prefetcher};
+use crate::contact_cache::prefetch::{Prefetcher, is_cacheable};
 use crate::impulse_cache::ImpulseCache;
 use crate::manifold::list::{Found, Manifolds};
 use crate::narrow_phase::convex_shape::ConvexShape;
@@ -85,7 +85,7 @@ impl ContactCache {
         frame: &Frame,
     ) -> &mut Manifolds {
         let flights = threads::list(bodies.len(), |i| BallisticPath::of(bodies, i, frame));
-        let shapes = threads::list(bodies.len(), |i| CollisionShape::of(&bodies.shapes[i]));
+        let shapes = threads::list(bodies.len(), |i| ConvexShape::of(&bodies.shapes[i]));
         let indices = self.begin_frame(bodies, &flights);
         let count = pairs.len().div_ceil(SHARE);
         std::mem::swap(&mut self.last, &mut self.chunks);
@@ -141,7 +141,7 @@ struct Look<'a> {
 /// A run of consecutive pairs, with output buffers.
 struct Share<'a> {
     paths: &'a [PathLength],
-    shapes: &'a [CollisionShape<'a>],
+    shapes: &'a [ConvexShape<'a>],
     neighbours: &'a FixedNeighbours,
     chunk: &'a mut CacheChunk,
     finder: &'a mut ManifoldFinder,
@@ -199,9 +199,8 @@ impl Share<'_> {
             }
             prefetcher.prefetch_next();
             let pair_motion = pair_motion(pair);
-            if let Some(convex_shapes) =
-                CollisionShape::cacheable([&self.shapes[pair.first], &self.shapes[pair.second]])
-            {
+            let convex_shapes = [self.shapes[pair.first], self.shapes[pair.second]];
+            if is_cacheable(convex_shapes.each_ref()) {
                 self.refresh(pair_motion.among(neighbours), convex_shapes);
                 continue;
             }

@@ -1,7 +1,7 @@
 //! Exact contacts between balls, polyhedra, planes, bodies of revolution and static triangles.
 
 use crate::manifold::ManifoldPoint;
-use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::hull_hull::approach::hull_points;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_plane::plane_points;
@@ -30,9 +30,7 @@ pub(crate) fn exact_points(
         }
         [ConvexShape::Ball(radius), other] => points.extend(ball(true, radius, other)),
         [other, ConvexShape::Ball(radius)] => points.extend(ball(false, radius, other)),
-        [ConvexShape::Hull(a), ConvexShape::Hull(b)]
-            if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
-        {
+        [ConvexShape::Hull(a), ConvexShape::Hull(b)] => {
             let _ = hull_points(pair_motion, [a, b], scratch, points);
         }
         [ConvexShape::Hull(hull), ConvexShape::Ground(ground)] => {

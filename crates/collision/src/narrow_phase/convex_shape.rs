@@ -88,6 +88,3 @@ pub fn needs_one_look(shapes: [&Shape; 2]) -> bool {
         || has_samples(1)
         || by_parts.iter().any(has_fixed_normals) && !by_parts.iter().any(is_round)
 }
-
-/// Maximum number of edge pairs of two hulls; beyond, samples are faster than separating axes.
-pub(crate) const MOST_EDGE_PAIRS: usize = 1 << 16;

@@ -1,6 +1,6 @@
 //! Exact separation of two shapes at rest.
 
-use crate::narrow_phase::convex_shape::{ConvexShape, MOST_EDGE_PAIRS};
+use crate::narrow_phase::convex_shape::ConvexShape;
 use crate::narrow_phase::hull_hull::separation::hull_separation;
 use crate::narrow_phase::revolved::contact::{as_partner, round_and_partner};
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
@@ -26,9 +26,7 @@ pub(crate) fn pair_separation(
             let (distance, normal) = other.distance_and_gradient(first_from_second.translation);
             Some((distance - radius, -second_from_first.direction(normal)))
         }
-        [ConvexShape::Hull(a), ConvexShape::Hull(b)]
-            if a.edges().len() * b.edges().len() <= MOST_EDGE_PAIRS =>
-        {
+        [ConvexShape::Hull(a), ConvexShape::Hull(b)] => {
             Some(hull_separation([a, b], second_from_first, size))
         }
         [ConvexShape::Hull(hull), ConvexShape::Ground(ground)] => {

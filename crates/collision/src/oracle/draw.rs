@@ -23,10 +23,12 @@ pub(crate) enum Kind {
     Compound,
     /// A hull that is nearly none.
     Sliver,
+    /// A hull of many vertices.
+    Round,
 }
 
 /// All kinds.
-pub(crate) const KINDS: [Kind; 9] = [
+pub(crate) const KINDS: [Kind; 10] = [
     Kind::Ball,
     Kind::Box,
     Kind::Hull,
@@ -36,6 +38,7 @@ pub(crate) const KINDS: [Kind; 9] = [
     Kind::HalfSpace,
     Kind::Compound,
     Kind::Sliver,
+    Kind::Round,
 ];
 
 /// A pair of shapes in the frame of the second.
@@ -174,6 +177,24 @@ impl Draw {
         Hull::of_points(&points).ok()
     }
 
+    /// An ellipsoid or a prism of 20 to 630 points.
+    fn round(&mut self, size: f64) -> Option<Hull> {
+        let count = self.power(1.3, 2.8) as usize;
+        let scale = size * DVec3::new(self.any(0.2, 1.0), self.any(0.2, 1.0), self.any(0.2, 1.0));
+        let turn = |part: usize| TAU * part as f64 / count as f64;
+        let is_prism = self.of(3) == 0;
+        let point = |at: usize, of: &mut Self| {
+            if is_prism {
+                let (sin, cos) = turn(2 * (at / 2)).sin_cos();
+                DVec3::new(cos, if at.is_multiple_of(2) { 1.0 } else { -1.0 }, sin)
+            } else {
+                of.direction()
+            }
+        };
+        let points: Vec<DVec3> = (0..count).map(|at| scale * point(at, self)).collect();
+        Hull::of_points(&points).ok()
+    }
+
     fn shape(&mut self, kind: Kind, size: f64) -> Shape {
         let spacing = size;
         let [radius, length] = [size * self.extent(), size * self.extent()];
@@ -204,6 +225,13 @@ impl Draw {
             Kind::Sliver => loop {
                 if let Some(shape) =
                     self.sliver(size).and_then(|hull| Shape::convex(hull, spacing).ok())
+                {
+                    return shape;
+                }
+            },
+            Kind::Round => loop {
+                if let Some(shape) =
+                    self.round(size).and_then(|hull| Shape::convex(hull, spacing).ok())
                 {
                     return shape;
                 }

@@ -91,7 +91,7 @@ impl<'a> Approach<'a> {
             let first_from_second = world_from_first.inverse().after(&world_from_second);
             let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
             let at_start = |apart: f64| (time == 0.0).then_some(apart);
-            let axes = pair.face_axes(search).map_err(at_start)?;
+            let axes = pair.face_axes(search, scratch).map_err(at_start)?;
             let mut apart = pair.apart_by(&axes);
             let is_far = apart.gap > enough;
             if !is_far {
@@ -207,7 +207,7 @@ impl<'a> Approach<'a> {
             [paths[0].pose(time).world_from_body(), paths[1].pose(time).world_from_body()];
         let first_from_second = world_from_first.inverse().after(&world_from_second);
         let pair = HullPair::new(self.hulls, &first_from_second, size, frame.settings.width);
-        let axes = pair.face_axes(search).ok()?;
+        let axes = pair.face_axes(search, scratch).ok()?;
         if pair.apart_by(&axes).gap <= -grazing {
             return None;
         }

@@ -4,13 +4,15 @@ use crate::narrow_phase::hull_hull::feature_scan::PARALLEL;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::placement::Ridge;
-use frangible_geometry::Hull;
+use crate::narrow_phase::hull_hull::separating_axis::FaceAxis;
+use frangible_geometry::{HalfSpace, Hull};
 use glam::DVec3;
 
 /// Closest points of two hulls: a vertex against any feature, or two of the given edges. `None` if
-/// the hulls touch or overlap, or are more than `most` [m] apart.
+/// the hulls touch or overlap, or are more than `most` [m] apart. `axes` are the best faces.
 pub(crate) fn nearest_points(
     pair: &HullPair,
+    axes: &[FaceAxis; 2],
     ridges: &[Vec<Ridge>; 2],
     most: f64,
 ) -> Option<HullPoint> {
@@ -26,14 +28,14 @@ pub(crate) fn nearest_points(
     let [first, second] = pair.hulls;
     let mut least = most;
     for (vertex, &point) in first.vertices().iter().enumerate() {
-        if let Some(foot) = foot_on(second, pair.second_from_first.point(point), least) {
+        if let Some(foot) = foot_on(second, &axes[1], pair.second_from_first.point(point), least) {
             let on = [point, pair.first_from_second.point(foot)];
             least = consider(on, Feature::VertexOfFirst(vertex as u32));
         }
     }
     for (vertex, &point) in second.vertices().iter().enumerate() {
         let point = pair.first_from_second.point(point);
-        if let Some(foot) = foot_on(first, point, least) {
+        if let Some(foot) = foot_on(first, &axes[0], point, least) {
             least = consider([foot, point], Feature::VertexOfSecond(vertex as u32));
         }
     }
@@ -50,8 +52,10 @@ pub(crate) fn nearest_points(
 }
 
 /// Closest point of a hull to a point, both in its frame; `None` beyond `most` [m].
-fn foot_on(hull: &Hull, point: DVec3, most: f64) -> Option<DVec3> {
-    if hull.planes().iter().any(|plane| plane.distance(point) > most) {
+fn foot_on(hull: &Hull, axis: &FaceAxis, point: DVec3, most: f64) -> Option<DVec3> {
+    // Almost all points are too high above the best face.
+    let is_above = |plane: &HalfSpace| plane.distance(point) > most;
+    if is_above(&hull.planes()[axis.face]) || hull.planes().iter().any(is_above) {
         return None;
     }
     let (distance, gradient) = hull.distance_and_gradient(point);

@@ -26,12 +26,12 @@ const DEEP_PREFERENCE: f64 = 0.3;
 impl HullPair<'_> {
     /// Best separating face of each hull; if the separation exceeds `most` [m], a lower bound of
     /// the distance.
-    pub(crate) fn face_axes(&self, most: f64) -> Result<[FaceAxis; 2], f64> {
-        let of_first = face_axis(self, 0);
+    pub(crate) fn face_axes(&self, most: f64, scratch: &mut Scratch) -> Result<[FaceAxis; 2], f64> {
+        let of_first = face_axis(self, 0, scratch);
         if of_first.separation > most {
             return Err(of_first.separation);
         }
-        let of_second = face_axis(self, 1);
+        let of_second = face_axis(self, 1, scratch);
         if of_second.separation > most {
             return Err(of_second.separation);
         }
@@ -82,8 +82,11 @@ impl HullPair<'_> {
         // the other hull.
         let within = self.furthest(axes, most, &scratch.points);
         gather_ridges(self, axes, within, scratch);
-        let of_edges = edge_axis(self, scratch);
-        let is_better = |edges: &EdgeAxis| edges.separation > face + self.close;
+        let enough = face + self.close;
+        // Without points over a face the best edges count, however deep.
+        let least = if scratch.points.is_empty() { f64::NEG_INFINITY } else { enough };
+        let of_edges = edge_axis(self, least, scratch);
+        let is_better = |edges: &EdgeAxis| edges.separation > enough;
         let gap = of_edges.filter(is_better).map_or(face, |edges| edges.separation);
         if gap > most {
             return None;
@@ -129,8 +132,11 @@ impl HullPair<'_> {
         }
 
         // Closest points, or crossing edges for overlapping hulls.
-        let point =
-            if gap > -self.close { nearest_points(self, &scratch.ridges, within) } else { None };
+        let point = if gap > -self.close {
+            nearest_points(self, axes, &scratch.ridges, within)
+        } else {
+            None
+        };
         let point = point.or(on_edges).or_else(|| self.nearest(&best, most))?;
         scratch.points.push(point);
         let gap = if gap > 0.0 { point.gap } else { gap };

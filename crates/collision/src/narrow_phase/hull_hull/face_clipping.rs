@@ -2,11 +2,17 @@
 
 use crate::narrow_phase::hull_hull::hull_point::{Feature, HullPoint};
 use crate::narrow_phase::hull_hull::placement::View;
+use crate::narrow_phase::hull_hull::reference_sides::Sides;
 use crate::narrow_phase::hull_hull::scratch::Corner;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
 use crate::narrow_phase::hull_hull::scratch::Side;
 use crate::narrow_phase::hull_hull::separating_axis::FaceAxis;
+use crate::narrow_phase::hull_hull::turning_clip::clip_in_turn;
 use glam::DVec3;
+
+/// Largest product of the numbers of corners of two faces up to which all corners are compared with
+/// all sides [1]. Without turns prisms of 1000 sides on each other take 7 instead of 0.7 ms.
+const FEW_CROSSINGS: usize = 1 << 10;
 
 /// Finds points of the incident hull's face over a reference face, each with its foot point.
 /// Vertices within `close` [m] of the reference face's sides count as inside: flush contacts keep
@@ -18,40 +24,15 @@ pub(crate) fn face_points(
     close: f64,
     scratch: &mut Scratch,
 ) {
-    let Scratch { polygon, clipped, points, .. } = scratch;
+    let Scratch { polygon, clipped, links, points, .. } = scratch;
     let plane = reference.plane(axis.face);
     let face = reference.hull.face(axis.face);
-    let count = face.vertices.len();
     incident_polygon(&incident, axis.vertex as u32, plane.normal, polygon);
-    let mut start = reference.vertex(face.vertices[0] as usize);
-    for at in 0..count {
-        // Skip sides without vertices beyond.
-        let next = (at + 1) % count;
-        let end = reference.vertex(face.vertices[next] as usize);
-        let outward = (end - start).cross(plane.normal);
-        let mut highest = 0.0_f64;
-        for corner in polygon.iter_mut() {
-            corner.beyond = outward.dot(corner.point - start);
-            highest = highest.max(corner.beyond);
-        }
-        start = end;
-        if highest <= 0.0 {
-            continue;
-        }
-        let scale = 1.0 / outward.length();
-        if scale * highest <= close {
-            continue;
-        }
-        polygon.iter_mut().for_each(|corner| corner.beyond *= scale);
-        let crossing = |side: Side| match side {
-            Side::Incident(edge) => Feature::Edges(face.edges[at], edge),
-            // The corner of the reference face between the two sides.
-            Side::Reference(other) => {
-                Feature::VertexOfFirst(face.vertices[if next == other { other } else { at }])
-            }
-        };
-        clip(polygon, Side::Reference(at), close, crossing, clipped);
-        std::mem::swap(polygon, clipped);
+    let sides = Sides { reference: &reference, face: &face, normal: plane.normal };
+    if face.vertices.len() * polygon.len() <= FEW_CROSSINGS {
+        clip_by_all(&sides, close, polygon, clipped);
+    } else {
+        clip_in_turn(&sides, close, polygon, links);
     }
 
     let point = |corner: &Corner| {
@@ -71,6 +52,33 @@ pub(crate) fn face_points(
     };
     points.clear();
     points.extend(polygon.iter().map(point));
+}
+
+/// Clips a polygon by the sides of a face with a tolerance of `close` [m].
+pub(crate) fn clip_by_all(
+    sides: &Sides,
+    close: f64,
+    polygon: &mut Vec<Corner>,
+    clipped: &mut Vec<Corner>,
+) {
+    for (at, (start, outward)) in sides.outward().enumerate() {
+        // Skip sides without vertices beyond.
+        let mut highest = 0.0_f64;
+        for corner in polygon.iter_mut() {
+            corner.beyond = outward.dot(corner.point - start);
+            highest = highest.max(corner.beyond);
+        }
+        if highest <= 0.0 {
+            continue;
+        }
+        let scale = 1.0 / outward.length();
+        if scale * highest <= close {
+            continue;
+        }
+        polygon.iter_mut().for_each(|corner| corner.beyond *= scale);
+        clip(polygon, Side::Reference(at), close, |side| sides.crossing(at, side), clipped);
+        std::mem::swap(polygon, clipped);
+    }
 }
 
 /// Polygon of the face around a vertex that is most opposed to `normal`.

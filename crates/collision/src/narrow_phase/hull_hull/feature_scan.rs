@@ -2,56 +2,15 @@
 //! selects features, with an error of 1e-7 of the larger hull's size (for edges divided by the sine
 //! between them); separations are then computed in double precision.
 
-use crate::narrow_phase::hull_hull::placement::{Placement, Ridge};
+use crate::narrow_phase::hull_hull::placement::Ridge;
 use crate::narrow_phase::hull_hull::scratch::RidgeColumns;
 use frangible_geometry::{Columns, HalfSpace};
 use frangible_math::{Instructions, Kernel, LANES, Mask, Single, Single3, Singles, Three};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// Sine of the angle below which edges count as parallel [1]: a face normal then serves as well.
 /// With a hundredth of it eleven shots end in the same bits.
 pub(crate) const PARALLEL: f64 = 1e-3;
-
-/// Face of `hull` with the largest separation from `other` (the first on ties), and the lowest
-/// vertex of `other` above it.
-pub(crate) struct FurthestFace<'a> {
-    pub(crate) hull: &'a Columns,
-    pub(crate) other: &'a Columns,
-    pub(crate) hull_from_other: &'a Placement,
-    pub(crate) other_from_hull: &'a Placement,
-}
-
-impl Kernel for FurthestFace<'_> {
-    type Output = [usize; 2];
-
-    fn compute<I: Instructions>(self) -> [usize; 2] {
-        let Self { hull, other, hull_from_other, other_from_hull } = self;
-        let between = hull_from_other.point(other.middle) - hull.middle;
-        let mut found = [0; 2];
-        I::run(
-            #[inline(always)]
-            || {
-                let DMat3 { x_axis, y_axis, z_axis } = other_from_hull.matrix;
-                let (x_axis, y_axis, z_axis) =
-                    (Single3::<I>::splat(x_axis), Single3::splat(y_axis), Single3::splat(z_axis));
-                let between = Single3::splat(between);
-                let (mut best, mut of_best) = (Best::none(), Single3::ZERO);
-                for (block, [x, y, z, offset]) in hull.faces().iter().enumerate() {
-                    let normal = three([x, y, z]);
-                    let up = x_axis * normal.x + y_axis * normal.y + z_axis * normal.z;
-                    let height = lowest_over(other, up);
-                    let apart = height + between.dot(normal) - Single::of_column(offset);
-                    of_best = best.look(block, apart).select(up, of_best);
-                }
-                let lane = best.lane();
-                let Three { x, y, z } = of_best;
-                let up = [x.to_array()[lane], y.to_array()[lane], z.to_array()[lane]];
-                found = [best.at(), lowest_vertex::<I>(other, up)];
-            },
-        );
-        found
-    }
-}
 
 /// Depth of a point inside a hull, negative outside [m].
 pub(crate) struct Inside<'a> {
@@ -121,7 +80,8 @@ impl Kernel for MarkWithin<'_> {
 }
 
 /// Indices of the two ridges, one per hull, with the largest separation along their common
-/// perpendicular, among non-parallel pairs that form a face of the Minkowski difference.
+/// perpendicular, among non-parallel pairs that form a face of the Minkowski difference. The first
+/// hull's ridges come with the largest bound first.
 pub(crate) struct FurthestEdges<'a> {
     pub(crate) ridges: [&'a [Ridge]; 2],
     pub(crate) columns: &'a mut Vec<RidgeColumns>,
@@ -156,6 +116,10 @@ impl Kernel for FurthestEdges<'_> {
                 let parallel = Single::<I>::splat(PARALLEL * PARALLEL);
                 let (mut best, mut of_first) = (Best::none(), Single::<I>::ZERO);
                 for (at, ridge) in first.iter().enumerate() {
+                    let is_bounded = ridge.bound < f64::INFINITY;
+                    if is_bounded && ridge.bound < f64::from(best.number.largest()) {
+                        break;
+                    }
                     let (along, start) =
                         (Single3::splat(ridge.along), Single3::splat(ridge.ends[0] - origin));
                     let normals =
@@ -232,52 +196,22 @@ pub(crate) fn extents<I: Instructions>(hull: &Columns, along: [DVec3; 3]) -> (DV
     (DVec3::from_array(middle) + low - rounding, DVec3::from_array(middle) + high + rounding)
 }
 
-/// Lowest extent of a hull along eight directions, from its middle [m].
-#[inline(always)]
-fn lowest_over<I: Instructions>(hull: &Columns, up: Single3<I>) -> Single<I> {
-    let mut lowest = Single::same(f32::INFINITY);
-    for [x, y, z] in hull.vertices() {
-        let mut heights = [Single::ZERO; LANES];
-        for lane in 0..LANES {
-            heights[lane] = same([x.0[lane], y.0[lane], z.0[lane]]).dot(up);
-        }
-        // Pairwise reduction shortens the dependency chain.
-        for half in [4, 2, 1] {
-            for lane in 0..half {
-                heights[lane] = heights[lane].min(heights[lane + half]);
-            }
-        }
-        lowest = lowest.min(heights[0]);
-    }
-    lowest
-}
-
-#[inline(always)]
-fn lowest_vertex<I: Instructions>(hull: &Columns, [x, y, z]: [f32; 3]) -> usize {
-    let down = same::<I>([-x, -y, -z]);
-    let mut best = Best::none();
-    for (block, [x, y, z]) in hull.vertices().iter().enumerate() {
-        let _ = best.look(block, three([x, y, z]).dot(down));
-    }
-    best.at()
-}
-
 /// Running maximum per lane over blocks of eight numbers.
-struct Best<I> {
-    number: Single<I>,
+pub(super) struct Best<I> {
+    pub(super) number: Single<I>,
     /// Block of the maximum, the first on ties.
     block: Single<I>,
 }
 
 impl<I: Instructions> Best<I> {
     #[inline(always)]
-    fn none() -> Self {
+    pub(super) fn none() -> Self {
         Self { number: Single::same(f32::NEG_INFINITY), block: Single::ZERO }
     }
 
     /// Compares the next block. Returns the lanes with a new maximum.
     #[inline(always)]
-    fn look(&mut self, block: usize, numbers: Single<I>) -> Mask {
+    pub(super) fn look(&mut self, block: usize, numbers: Single<I>) -> Mask {
         let is_better = numbers.above(self.number);
         self.number = is_better.select(numbers, self.number);
         self.block = is_better.select(Single::same(block as f32), self.block);
@@ -286,7 +220,7 @@ impl<I: Instructions> Best<I> {
 
     /// Lane of the maximum in the earliest block.
     #[inline(always)]
-    fn lane(&self) -> usize {
+    pub(super) fn lane(&self) -> usize {
         let (numbers, best) = (self.number.to_array(), self.number.largest());
         let (blocks, mut found) = (self.block.to_array(), (f32::INFINITY, 0));
         for lane in 0..LANES {
@@ -299,7 +233,7 @@ impl<I: Instructions> Best<I> {
 
     /// Index of the maximum.
     #[inline(always)]
-    fn at(&self) -> usize {
+    pub(super) fn at(&self) -> usize {
         let lane = self.lane();
         LANES * self.block.to_array()[lane] as usize + lane
     }
@@ -307,7 +241,7 @@ impl<I: Instructions> Best<I> {
 
 /// A vector per lane.
 #[inline(always)]
-fn three<I: Instructions>([x, y, z]: [&Singles; 3]) -> Single3<I> {
+pub(super) fn three<I: Instructions>([x, y, z]: [&Singles; 3]) -> Single3<I> {
     Three { x: Single::of_column(x), y: Single::of_column(y), z: Single::of_column(z) }
 }
 
@@ -318,6 +252,6 @@ fn three_of<I: Instructions>([x, y, z]: &[Singles; 3]) -> Single3<I> {
 
 /// The same vector in all lanes.
 #[inline(always)]
-fn same<I: Instructions>([x, y, z]: [f32; 3]) -> Single3<I> {
+pub(super) fn same<I: Instructions>([x, y, z]: [f32; 3]) -> Single3<I> {
     Three { x: Single::same(x), y: Single::same(y), z: Single::same(z) }
 }

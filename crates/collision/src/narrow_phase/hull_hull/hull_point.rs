@@ -28,7 +28,9 @@ impl Feature {
             Self::VertexOfFirst(vertex) => FeatureId { is_of_first: true, index: vertex.into() },
             Self::VertexOfSecond(vertex) => FeatureId { is_of_first: false, index: vertex.into() },
             Self::Edges(a, b) => {
-                FeatureId { is_of_first: true, index: (EDGES | (a * edges as u32 + b)).into() }
+                // Hulls of more than 46 000 edges may have pairs of the same number.
+                let number = a.wrapping_mul(edges as u32).wrapping_add(b);
+                FeatureId { is_of_first: true, index: (EDGES | number).into() }
             }
         }
     }

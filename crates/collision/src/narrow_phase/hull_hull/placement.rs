@@ -84,6 +84,8 @@ pub(crate) struct Ridge {
     pub(crate) ends: [DVec3; 2],
     pub(crate) along: DVec3,
     pub(crate) normals: [DVec3; 2],
+    /// Upper bound of the separation along the normals between both [m]; infinite if unknown.
+    pub(crate) bound: f64,
 }
 
 impl Ridge {
@@ -93,5 +95,18 @@ impl Ridge {
     pub(crate) fn outward(&self) -> DVec3 {
         let [first, second] = self.normals;
         first + second + self.along.cross(first - second) / self.along.length()
+    }
+
+    /// Upper bound of the separation from another hull along the normals between both faces' [m]:
+    /// by some points of that hull, relative to a point of the edge.
+    pub(crate) fn most_apart(&self, points: impl Iterator<Item = DVec3>) -> f64 {
+        let [first, second] = self.normals;
+        // A normal is a sum of both with parts of at least 1 together, and of at most this.
+        let longest = 2.0 / (first + second).length();
+        let height = |point: DVec3| {
+            let higher = first.dot(point).max(second.dot(point));
+            if higher > 0.0 { longest * higher } else { higher }
+        };
+        points.map(height).fold(f64::INFINITY, f64::min)
     }
 }

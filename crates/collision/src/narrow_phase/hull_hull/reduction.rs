@@ -6,6 +6,9 @@ use glam::DVec3;
 /// Maximum number of points of a flat contact between two hulls.
 pub(crate) const FEW_POINTS: usize = 4;
 
+/// Number of points up to which all are compared with all [1]: of fewer sorting takes longer.
+const FEW_TO_COMPARE: usize = 128;
+
 /// A later candidate needs this factor in score over an earlier candidate [1], for a stable choice
 /// among equals. Without it a falling heap overlaps by a tenth more.
 const BETTER: f64 = 1.05;
@@ -29,8 +32,9 @@ pub(crate) fn reduce(
     // Drop points higher above another point than beside it: they touch later.
     all.clear();
     all.extend_from_slice(points);
+    let near = NearPoints::of(all, normal, close);
     points.retain(|point| {
-        all.iter().all(|other| {
+        near.to(point).iter().all(|other| {
             let above = point.gap - other.gap;
             above <= close || above * above <= across_squared(point, other, normal)
         })
@@ -92,6 +96,43 @@ pub(crate) fn reduce(
         }
     }
     points.truncate(taken);
+}
+
+/// Points among which others are looked for that are below a point.
+struct NearPoints<'a> {
+    points: &'a [HullPoint],
+    /// Across the normal, if the points are in the order of their places along it.
+    along: Option<DVec3>,
+    /// Least separation of all [m].
+    lowest: f64,
+    /// Separations within this are equal [m].
+    close: f64,
+}
+
+impl<'a> NearPoints<'a> {
+    fn of(points: &'a mut [HullPoint], normal: DVec3, close: f64) -> Self {
+        let lowest = points.iter().map(|point| point.gap).fold(f64::INFINITY, f64::min);
+        let is_flat = points.iter().all(|point| point.gap - lowest <= close);
+        let is_sorted = points.len() > FEW_TO_COMPARE && !is_flat;
+        let along = is_sorted.then(|| normal.any_orthonormal_vector());
+        if let Some(along) = along {
+            points.sort_unstable_by(|a, b| along.dot(middle(a)).total_cmp(&along.dot(middle(b))));
+        }
+        Self { points, along, lowest, close }
+    }
+
+    /// At least those that lie no further beside a point than below it, by more than is equal.
+    fn to(&self, point: &HullPoint) -> &[HullPoint] {
+        let above = point.gap - self.lowest;
+        if above <= self.close {
+            return &[];
+        }
+        let Some(along) = self.along else { return self.points };
+        let (at, most) = (along.dot(middle(point)), above + self.close);
+        let first = self.points.partition_point(|other| along.dot(middle(other)) < at - most);
+        let rest = &self.points[first..];
+        &rest[..rest.partition_point(|other| along.dot(middle(other)) <= at + most)]
+    }
 }
 
 /// Adds a point beyond a side to a convex polygon. Returns the corners that are none any more, but

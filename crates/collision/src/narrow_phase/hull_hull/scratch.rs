@@ -13,8 +13,13 @@ pub(crate) struct Scratch {
     pub(crate) spare: Vec<HullPoint>,
     pub(crate) polygon: Vec<Corner>,
     pub(crate) clipped: Vec<Corner>,
+    /// Corners before and after each corner of a polygon.
+    pub(crate) links: Vec<[u32; 2]>,
     /// Marks of a hull's vertices within two layers, from `mark_within`.
     pub(crate) marks: Vec<u8>,
+    pub(crate) face_blocks: Vec<FaceBlock>,
+    /// By side, vertices of the other hull that the search for its best face has looked at.
+    pub(crate) lowest: [Vec<u32>; 2],
     pub(crate) ridges: [Vec<Ridge>; 2],
     pub(crate) ridge_columns: Vec<RidgeColumns>,
 }
@@ -42,3 +47,18 @@ pub(crate) struct Corner {
 
 /// Eight ridges: start points, edge vectors, both face normals, and outward directions.
 pub(crate) type RidgeColumns = [[Singles; 3]; 5];
+
+/// Eight faces of a hull, and bounds of their separation from another hull.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FaceBlock {
+    /// Normals in the other hull's frame.
+    pub(crate) up: [Singles; 3],
+    /// Height of the other hull's middle above the hull's middle along the normals [m].
+    pub(crate) middle: Singles,
+    /// Distances of the planes from the hull's middle [m].
+    pub(crate) offset: Singles,
+    /// Of the lowest known vertex of the other hull above its middle [m].
+    pub(crate) height: Singles,
+    /// Number of the block.
+    pub(crate) number: f32,
+}

@@ -1,9 +1,8 @@
 //! Axis of largest separation, or least overlap, of two hulls: separating axis test over faces and
 //! edges [Gregorius13].
 
-use crate::narrow_phase::hull_hull::feature_scan::{
-    FurthestEdges, FurthestFace, IN_BOTH, MarkWithin,
-};
+use crate::narrow_phase::hull_hull::feature_scan::{FurthestEdges, IN_BOTH, MarkWithin};
+use crate::narrow_phase::hull_hull::furthest_face::FurthestFace;
 use crate::narrow_phase::hull_hull::hull_pair::HullPair;
 use crate::narrow_phase::hull_hull::placement::Ridge;
 use crate::narrow_phase::hull_hull::scratch::Scratch;
@@ -38,7 +37,7 @@ impl FaceAxis {
 }
 
 /// Face of the hull on `side` with the largest separation from the other hull.
-pub(crate) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
+pub(crate) fn face_axis(pair: &HullPair, side: usize, scratch: &mut Scratch) -> FaceAxis {
     let (hull, other) = (pair.hulls[side].columns(), pair.hulls[1 - side].columns());
     let (own_from_other, other_from_own) =
         (pair.own_from_other(side), pair.own_from_other(1 - side));
@@ -47,6 +46,8 @@ pub(crate) fn face_axis(pair: &HullPair, side: usize) -> FaceAxis {
         other,
         hull_from_other: own_from_other,
         other_from_hull: other_from_own,
+        blocks: &mut scratch.face_blocks,
+        lowest: &mut scratch.lowest[side],
     };
     let [face, vertex] = with_widest(pair.width, kernel);
     FaceAxis::of_face(pair, side, face, vertex)
@@ -113,7 +114,8 @@ pub(crate) fn gather_ridges(
             around = (around.0.min(low[0]).min(low[1]), around.1.max(low[0]).max(low[1]));
             let normal = |face: u32| view.direction(hull.planes()[face as usize].normal);
             let normals = [normal(edge.faces[0]), normal(edge.faces[1])];
-            ridges.push(Ridge { edge: index, ends: [start, end], along: end - start, normals });
+            let (ends, along, bound) = ([start, end], end - start, f64::INFINITY);
+            ridges.push(Ridge { edge: index, ends, along, normals, bound });
         }
         bounds = (around.0 - within, around.1 + within);
     }
@@ -140,9 +142,36 @@ impl Spot {
     }
 }
 
-/// Pair of edges with the largest separation, among pairs that form a face of the Minkowski
-/// difference; `None` if all such pairs are parallel.
-pub(crate) fn edge_axis(pair: &HullPair, scratch: &mut Scratch) -> Option<EdgeAxis> {
+/// Largest product of the numbers of both hulls' edges up to which all pairs are compared [1].
+/// Without bounds a deep overlap of hulls of 87 vertices takes 92 instead of 43 us, and one of 2000
+/// vertices 12 instead of 0.7 ms.
+const FEW_PAIRS: usize = 1 << 12;
+
+/// Sorts the first hull's gathered edges by bounds of their separations, the largest first, if
+/// there are many; drops those of both hulls that separate no further than `least` [m]. A few
+/// vertices of the other hull bound all of them: almost none of the pairs is looked at.
+fn bound_ridges(pair: &HullPair, least: f64, scratch: &mut Scratch) {
+    let Scratch { ridges, lowest, .. } = scratch;
+    if ridges[0].len() * ridges[1].len() <= FEW_PAIRS {
+        return;
+    }
+    let views = pair.views();
+    for (side, ridges) in ridges.iter_mut().enumerate() {
+        let points: Vec<DVec3> =
+            lowest[side].iter().map(|&vertex| views[1 - side].vertex(vertex as usize)).collect();
+        for ridge in ridges.iter_mut() {
+            ridge.bound = ridge.most_apart(points.iter().map(|&point| point - ridge.ends[0]));
+        }
+        ridges.retain(|ridge| ridge.bound > least);
+    }
+    ridges[0].sort_by(|a, b| b.bound.total_cmp(&a.bound));
+}
+
+/// Pair of gathered edges with the largest separation, among pairs that form a face of the
+/// Minkowski difference; `None` if all such pairs are parallel. Those that separate no further than
+/// `least` [m] may be left out.
+pub(crate) fn edge_axis(pair: &HullPair, least: f64, scratch: &mut Scratch) -> Option<EdgeAxis> {
+    bound_ridges(pair, least, scratch);
     let Scratch { ridges: [first, second], ridge_columns, .. } = scratch;
     let [at, other] =
         with_widest(pair.width, FurthestEdges { ridges: [first, second], columns: ridge_columns })?;

@@ -1,6 +1,6 @@
 //! Search for the least overlap of two cores among normals that are offered.
 
-use crate::narrow_phase::revolved::partner::Partner;
+use crate::narrow_phase::revolved::partner::{Partner, furthest_vertex};
 use crate::narrow_phase::revolved::placed::PlacedRevolved;
 use glam::DVec3;
 
@@ -16,11 +16,14 @@ pub(crate) struct Search<'a> {
     /// Least overlap [m] so far, and its normal.
     pub(crate) depth: f64,
     pub(crate) normal: DVec3,
+    /// Vertices of a hull that were furthest along normals that were offered [m].
+    known: Vec<DVec3>,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(round: &'a PlacedRevolved, partner: &'a Partner<'a>, margin: f64) -> Self {
-        Self { round, partner, margin, depth: f64::INFINITY, normal: DVec3::Y }
+        let known = Vec::new();
+        Self { round, partner, margin, depth: f64::INFINITY, normal: DVec3::Y, known }
     }
 
     /// Overlap along a unit normal from the partner to the round body [m].
@@ -31,8 +34,18 @@ impl<'a> Search<'a> {
 
     #[inline]
     pub(crate) fn offer(&mut self, normal: DVec3) {
-        let depth = self.overlap(normal);
-        self.take(depth, normal);
+        let Partner::Hull(hull) = self.partner else {
+            return self.take(self.overlap(normal), normal);
+        };
+        // One known vertex is enough to show that a normal is no better: few are looked at with all
+        // vertices.
+        let (own, enough) = (self.round.reach(-normal), self.depth - self.margin);
+        if self.known.iter().rev().any(|vertex| own + vertex.dot(normal) >= enough) {
+            return;
+        }
+        let vertex = hull.vertices()[furthest_vertex(hull, normal)];
+        self.known.push(vertex);
+        self.take(own + vertex.dot(normal), normal);
     }
 
     #[inline]

@@ -44,7 +44,7 @@ struct Met {
 fn contact(first: &Hull, second: &Hull, first_from_second: &RigidTransform) -> Met {
     let (pair, mut scratch) =
         (HullPair::new([first, second], first_from_second, 1.0, Width::Avx512), Scratch::default());
-    let axes = pair.face_axes(10.0).unwrap();
+    let axes = pair.face_axes(10.0, &mut Scratch::default()).unwrap();
     let HullContact { normal, gap } = pair.contact(&axes, 10.0, &mut scratch).unwrap();
     Met { normal, gap, points: scratch.points }
 }
@@ -163,7 +163,7 @@ proptest! {
         let mut found = BTreeSet::new();
         for width in [Width::Scalar, Width::Sse2, Width::Avx2, Width::Avx512] {
             let pair = HullPair::new([&hulls[0], &hulls[1]], &first_from_second, 0.5, width);
-            let axis = face_axis(&pair, 0);
+            let axis = face_axis(&pair, 0, &mut Scratch::default());
             prop_assert!((axis.separation - furthest).abs() < CLOSE, "{} {furthest}", axis.separation);
             let lowest = first_from_second.point(hulls[1].vertices()[axis.vertex]);
             prop_assert!((hulls[0].planes()[axis.face].distance(lowest) - axis.separation).abs() < 1e-12);
@@ -174,9 +174,9 @@ proptest! {
 
             // Compare edge axes, bit by bit.
             let mut scratch = Scratch::default();
-            let axes = [axis, face_axis(&pair, 1)];
+            let axes = [axis, face_axis(&pair, 1, &mut Scratch::default())];
             gather_ridges(&pair, &axes, 0.5, &mut scratch);
-            let edges = edge_axis(&pair, &mut scratch);
+            let edges = edge_axis(&pair, f64::NEG_INFINITY, &mut scratch);
             let numbers = [with_widest(width, Inside { hull: first, point }), edges.map_or(0.0, |axis| axis.separation)];
             let ridges = scratch.ridges.each_ref().map(Vec::len);
             let features = axes.map(|axis| [axis.face, axis.vertex]);
@@ -229,7 +229,7 @@ proptest! {
     fn deep_overlaps_stay_on_faces(first in hull(), second in hull(), shift in vector(0.4), turn in vector(3.0)) {
         let first_from_second = at(shift, turn);
         let pair = HullPair::new([&first, &second], &first_from_second, 1.0, Width::Avx512);
-        let (axes, mut scratch) = (pair.face_axes(10.0).unwrap(), Scratch::default());
+        let (axes, mut scratch) = (pair.face_axes(10.0, &mut Scratch::default()).unwrap(), Scratch::default());
         let is_over = |of_first: bool, scratch: &mut Scratch| {
             pair.face_points(&axes, of_first, scratch);
             !scratch.points.is_empty()
