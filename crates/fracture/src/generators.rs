@@ -4,6 +4,7 @@
 pub(crate) mod bricks;
 pub(crate) mod concrete;
 pub(crate) mod natural;
+mod nearest_sites;
 pub(crate) mod parameters;
 pub(crate) mod radial;
 pub(crate) mod slices;

@@ -162,7 +162,7 @@ fn grid_pattern(axes: usize) -> Pattern {
             .collect();
         Region::from_half_spaces(&sides, DVec3::ONE)
     };
-    let cells = Cells::Planar((0..1 << axes).map(region).collect());
+    let cells = Cells::Planar((0..1 << axes).filter_map(region).collect());
     Pattern {
         half_extent: DVec3::ONE,
         center: DVec3::ZERO,

@@ -1,6 +1,7 @@
 //! Convex polyhedra in double precision: exact, and cut exactly.
 
 pub(crate) mod cell_cutter;
+pub(crate) mod cell_part;
 pub(crate) mod columns;
 pub(crate) mod distance;
 pub(crate) mod edges;

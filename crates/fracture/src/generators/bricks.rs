@@ -131,7 +131,7 @@ impl Pattern {
             let cracks = sides.into_iter().filter(|side| side.2);
             let sides: Vec<HalfSpace> =
                 cracks.map(|(normal, offset, _)| HalfSpace { normal, offset }).collect();
-            if let Some(region) = Region::bounded(&sides, half_extent) {
+            if let Some(region) = Region::from_half_spaces(&sides, half_extent) {
                 if is_joint {
                     joints.push(regions.len());
                 }
@@ -238,5 +238,5 @@ fn block([left, right]: [f64; 2], [bottom, top]: [f64; 2], half_extent: DVec3) -
     let cuts = sides.into_iter().filter(|&(_, _, crack)| crack);
     let half_spaces: Vec<HalfSpace> =
         cuts.map(|(normal, offset, _)| HalfSpace { normal, offset }).collect();
-    Some(Region::from_half_spaces(&half_spaces, half_extent))
+    Region::from_half_spaces(&half_spaces, half_extent)
 }

@@ -2,7 +2,7 @@
 
 use crate::filling::Filling;
 use crate::generators::parameters::require;
-use crate::generators::voronoi::{Voronoi, regions_in, sites_in};
+use crate::generators::voronoi::{Voronoi, sites_in, voronoi_regions};
 use crate::noise::Noise;
 use crate::pattern::error::PatternError;
 use crate::pattern::{Cells, Pattern};
@@ -69,8 +69,8 @@ impl Pattern {
     pub fn concrete_in(concrete: &Concrete, filling: &Filling) -> Self {
         let &Concrete { cells, roughness, grain, clustering, seed, half_extent } = concrete;
         let plain = Voronoi { cells, clustering, grading: DVec3::ZERO, seed, half_extent };
-        let regions = regions_in(&sites_in(&plain, filling), filling.half_extent());
-        let mut made = filling.planar(regions);
+        let regions = voronoi_regions(&sites_in(&plain, filling), filling.half_extent());
+        let mut made = filling.planar(regions.into_iter().flatten().collect());
         if roughness > 0.0
             && let Cells::Planar(regions) = made.cells
         {

@@ -57,7 +57,6 @@ struct Law {
 
 /// A cell while the box is being cut up.
 struct Part {
-    half_spaces: Vec<HalfSpace>,
     hull: Hull,
     center: DVec3,
     /// Probability weight for the next cut.
@@ -65,7 +64,7 @@ struct Part {
 }
 
 impl Part {
-    fn new(half_spaces: Vec<HalfSpace>, hull: Hull, law: &Law) -> Self {
+    fn new(hull: Hull, law: &Law) -> Self {
         let properties = hull.mass_properties();
         let mut weight = if law.spread > 0.0 {
             libm::pow(properties.volume, 1.0 / law.spread - 1.0)
@@ -79,7 +78,7 @@ impl Part {
             let middle = (properties.center / law.deviation).length_squared();
             weight *= libm::exp(-0.5 * middle.min(nearest));
         }
-        Self { half_spaces, hull, center: properties.center, weight }
+        Self { hull, center: properties.center, weight }
     }
 
     /// A plane near the middle, across a direction in which the cell is long.
@@ -101,14 +100,7 @@ impl Part {
 
     /// The two sides of a crack; `None` if rounding leaves nothing of one.
     fn split(&self, crack: HalfSpace, law: &Law) -> Option<[Self; 2]> {
-        let side = |half_space: HalfSpace| {
-            let hull = self.hull.clipped(&half_space)?;
-            let mut half_spaces = self.half_spaces.clone();
-            half_spaces.push(half_space);
-            // Drop half-spaces that no longer bound the cell.
-            half_spaces.retain(|&known| hull.planes().contains(&known));
-            Some(Self::new(half_spaces, hull, law))
-        };
+        let side = |side: HalfSpace| Some(Self::new(self.hull.clipped(&side)?, law));
         Some([side(crack)?, side(crack.flipped())?])
     }
 }
@@ -129,7 +121,7 @@ impl Pattern {
         let size = libm::cbrt(8.0 * half_extent.element_product());
         let half = half_extent / size;
         let law = Law { spread, deviation: half / clustering };
-        let mut parts = vec![Part::new(Vec::new(), Hull::cuboid(half), &law)];
+        let mut parts = vec![Part::new(Hull::cuboid(half), &law)];
         while parts.len() < cells {
             let weights = parts.iter().map(|part| part.weight);
             let chosen = choose(weights, spread, &mut random);
@@ -140,12 +132,7 @@ impl Pattern {
             }
         }
 
-        let scaled =
-            |plane: &HalfSpace| HalfSpace { normal: plane.normal, offset: plane.offset * size };
-        let region = |part: &Part| {
-            let half_spaces: Vec<HalfSpace> = part.half_spaces.iter().map(scaled).collect();
-            Region::from_half_spaces(&half_spaces, half_extent)
-        };
+        let region = |part: &Part| Region::of_hull(&part.hull, half).scaled(size);
         let regions = parts.iter().map(region).collect();
         Ok(Self::planar_in_box(half_extent, regions))
     }
@@ -264,7 +251,8 @@ impl Pattern {
                 None => shares[chosen].weight = 0.0,
             }
         }
-        let region = |share: &Share| Region::bounded(&share.half_spaces, filling.half_extent());
+        let region =
+            |share: &Share| Region::from_half_spaces(&share.half_spaces, filling.half_extent());
         filling.planar(shares.iter().filter_map(region).collect())
     }
 }

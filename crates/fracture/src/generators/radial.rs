@@ -80,7 +80,7 @@ impl Pattern {
         let half_extent = DVec3::ONE;
         let regions = sectors(radial, |place| place * place.sqrt(), |_, _| true);
         let region = |sides: Vec<HalfSpace>| Region::from_half_spaces(&sides, half_extent);
-        Ok(Self::planar_in_box(half_extent, regions.into_iter().map(region).collect()))
+        Ok(Self::planar_in_box(half_extent, regions.into_iter().filter_map(region).collect()))
     }
 
     /// Spokes and rings around the blow, `cells` of whose sectors meet a solid. Where whole rings do
@@ -101,7 +101,7 @@ impl Pattern {
         };
         let region = |sides: Vec<HalfSpace>| {
             let sides: Vec<HalfSpace> = sides.into_iter().map(moved).collect();
-            Region::bounded(&sides, filling.half_extent())
+            Region::from_half_spaces(&sides, filling.half_extent())
         };
         let regions = sectors(&radial, |place| web.radius(place), has_crack);
         filling.planar(regions.into_iter().filter_map(region).collect())
@@ -119,7 +119,7 @@ impl Pattern {
         let offset = crack.normal.dot(filling.center());
         let sides = [crack, crack.flipped()]
             .map(|side| HalfSpace { offset: side.normal.dot(crack.normal) * offset, ..side });
-        let region = |side| Region::bounded(&[side], filling.half_extent());
+        let region = |side| Region::from_half_spaces(&[side], filling.half_extent());
         filling.planar(sides.into_iter().filter_map(region).collect())
     }
 }

@@ -44,8 +44,8 @@ impl Pattern {
         let half_extent = DVec3::ONE;
         let above = HalfSpace { normal: -DVec3::Z, offset: 0.0 };
         let sides = [above, above.flipped()];
-        let regions = sides.map(|side| Region::from_half_spaces(&[side], half_extent));
-        Self::planar_in_box(half_extent, regions.into())
+        let region = |side: HalfSpace| Region::from_half_spaces(&[side], half_extent);
+        Self::planar_in_box(half_extent, sides.into_iter().filter_map(region).collect())
     }
 
     /// Slices of a centred box.
@@ -72,7 +72,7 @@ impl Pattern {
         let places: Vec<f64> = (1..cells).map(|number| number as f64 * step - along).collect();
         let planes = cracks(slices, &places, (step, half_extent.length()));
         let region = |sides: Vec<HalfSpace>| Region::from_half_spaces(&sides, half_extent);
-        Ok(Self::planar_in_box(half_extent, between(&planes).map(region).collect()))
+        Ok(Self::planar_in_box(half_extent, between(&planes).filter_map(region).collect()))
     }
 
     /// As many slices of a solid.
@@ -82,7 +82,8 @@ impl Pattern {
         heights.sort_by(f64::total_cmp);
         let (places, step) = places_in(&heights, slices.cells);
         let planes = cracks(slices, &places, (step, filling.half_extent().length()));
-        let region = |sides: Vec<HalfSpace>| Region::bounded(&sides, filling.half_extent());
+        let region =
+            |sides: Vec<HalfSpace>| Region::from_half_spaces(&sides, filling.half_extent());
         filling.planar(between(&planes).filter_map(region).collect())
     }
 }

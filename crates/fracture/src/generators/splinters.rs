@@ -1,6 +1,7 @@
 //! Wood.
 
-use super::voronoi::{region_in, voronoi_regions};
+use super::nearest_sites::{NearestSites, SiteTree};
+use super::voronoi::voronoi_regions;
 use crate::filling::Filling;
 use crate::generators::parameters::{deviation, require, require_box, require_count};
 use crate::pattern::Pattern;
@@ -82,12 +83,13 @@ impl Pattern {
         // Break each across.
         let mut regions = Vec::with_capacity(fibres * pieces);
         for (column, &site) in columns.iter().zip(&sites) {
+            let Some(column) = column else { continue };
             let half_length = half_extent[grain];
             let width = reach_across(column, site, axis, half_extent);
             let (start, length) = (-half_length, 2.0 * half_length);
             let splinter = Splinter { column, site, width, start, length };
             for around in splinter.broken(splinters, pieces, &mut random) {
-                regions.push(Region::from_half_spaces(&around, half_extent));
+                regions.extend(Region::from_half_spaces(&around, half_extent));
             }
         }
         Ok(Self::planar_in_box(half_extent, regions))
@@ -105,26 +107,28 @@ impl Pattern {
 
         // How far each goes along the grain.
         let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); sites.len()];
+        let tree = SiteTree::new(&sites);
+        let mut nearest = NearestSites::new(&tree);
         for &point in points.iter().take(POINTS_OF_A_FIBRE * sites.len()) {
-            let (place, across) = (axis.dot(point), point.reject_from(axis));
-            let apart = |fibre: usize| sites[fibre].distance_squared(across);
-            let nearest = (0..sites.len()).min_by(|&a, &b| apart(a).total_cmp(&apart(b)));
-            if let Some(end) = nearest.map(|fibre| &mut ends[fibre]) {
+            let place = axis.dot(point);
+            nearest.begin(point.reject_from(axis));
+            if let Some(end) = nearest.next(|_, _| true).map(|fibre| &mut ends[fibre]) {
                 *end = (end.0.min(place), end.1.max(place));
             }
         }
         let mut random = Pcg64Mcg::seed_from_u64(splinters.seed);
         let mut regions = Vec::with_capacity(cells);
-        for (fibre, &site) in sites.iter().enumerate() {
-            let Some(column) = region_in(&sites, fibre, half_extent) else { continue };
+        let columns = voronoi_regions(&sites, half_extent);
+        for (fibre, (column, &site)) in columns.iter().zip(&sites).enumerate() {
+            let Some(column) = column else { continue };
             let (start, end) = ends[fibre];
-            let width = reach_across(&column, site, axis, half_extent);
+            let width = reach_across(column, site, axis, half_extent);
             let length = (end - start).max(0.0);
-            let splinter = Splinter { column: &column, site, width, start, length };
+            let splinter = Splinter { column, site, width, start, length };
             // The first make up for what does not divide evenly.
             let pieces = most - usize::from(fibre < fibres * most - cells);
             for around in splinter.broken(splinters, pieces, &mut random) {
-                regions.extend(Region::bounded(&around, half_extent));
+                regions.extend(Region::from_half_spaces(&around, half_extent));
             }
         }
         filling.planar(regions)

@@ -1,7 +1,7 @@
 //! A convex cell of a pattern, and the planes around it.
 
 use crate::polygon;
-use frangible_geometry::{HalfSpace, Hull};
+use frangible_geometry::{HalfSpace, Hull, HullFace, PlaneClipper};
 use frangible_math::cancel;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -52,35 +52,33 @@ impl From<Cut> for CutRecord {
 const SMALLEST_FACE: f64 = 1e-14;
 
 impl Region {
-    /// Intersection of half-spaces, without half-spaces that do not bound it within the box.
-    pub fn from_half_spaces(half_spaces: &[HalfSpace], half_extent: DVec3) -> Self {
+    /// Intersection of half-spaces, without half-spaces that do not bound it within the box; `None`
+    /// if it lies beyond.
+    pub fn from_half_spaces(half_spaces: &[HalfSpace], half_extent: DVec3) -> Option<Self> {
         cancel::check();
-        let smallest = SMALLEST_FACE * half_extent.length_squared();
-        let mut cuts = Vec::new();
-        for (at, &half_space) in half_spaces.iter().enumerate() {
-            let mut face = polygon::box_section(&half_space, half_extent);
-            for (other, cutter) in half_spaces.iter().enumerate() {
-                if face.is_empty() {
-                    break;
-                }
-                if other != at {
-                    face = polygon::clip(&face, cutter);
-                }
-            }
-            if polygon::area(&face) > smallest {
-                cuts.push(Cut { half_space, face });
-            }
-        }
-        Self { cuts }
+        let hull = PlaneClipper::default().clipped(&Hull::cuboid(half_extent), half_spaces)?;
+        Some(Self::of_hull(&hull, half_extent))
     }
 
-    /// The same, faster for many half-spaces; `None` for what lies beyond the box.
-    pub(crate) fn bounded(half_spaces: &[HalfSpace], half_extent: DVec3) -> Option<Self> {
-        let whole = Hull::cuboid(half_extent);
-        let hull = half_spaces.iter().try_fold(whole, |hull, plane| hull.clipped(plane))?;
-        let bounding: Vec<HalfSpace> =
-            half_spaces.iter().filter(|plane| hull.planes().contains(plane)).copied().collect();
-        Some(Self::from_half_spaces(&bounding, half_extent))
+    /// A part of the box, cut out of it by planes.
+    pub(crate) fn of_hull(hull: &Hull, half_extent: DVec3) -> Self {
+        let smallest = SMALLEST_FACE * half_extent.length_squared();
+        let corner = |&vertex: &u32| hull.vertices()[vertex as usize];
+        let cut = |face: HullFace<'_>| {
+            let corners: Vec<DVec3> = face.vertices.iter().map(corner).collect();
+            let is_face = polygon::area(&corners) > smallest;
+            is_face.then_some(Cut { half_space: face.plane, face: corners })
+        };
+        Self { cuts: hull.faces().filter(|face| face.inner).filter_map(cut).collect() }
+    }
+
+    /// The same region in a box that is so many times as large.
+    pub(crate) fn scaled(mut self, size: f64) -> Self {
+        for Cut { half_space, face } in &mut self.cuts {
+            half_space.offset *= size;
+            face.iter_mut().for_each(|corner| *corner *= size);
+        }
+        self
     }
 
     /// The polyhedron within the box of `half_extent` around the origin; `None` if it lies beyond.

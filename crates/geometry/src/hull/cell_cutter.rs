@@ -1,8 +1,9 @@
 //! Cuts many parts out of one hull, in place.
 
 use super::Hull;
+use super::cell_part::{CellFace, CellPart};
 use super::half_edges::{HalfEdgeBuilder, HalfEdges, Side};
-use super::plane_clip::{ON_THE_CUT, PlaneClipper, SAME};
+use super::plane_clip::{Kept, ON_THE_CUT, PlaneClipper, SAME};
 use crate::half_space::HalfSpace;
 use crate::hull::edges::HullEdge;
 use glam::DVec3;
@@ -16,11 +17,16 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub struct CellCutter<'a> {
     hull: &'a Hull,
-    whole: Part,
+    whole: CellPart,
     /// Of the whole.
     sides: &'a [Side],
-    /// Remaining part.
-    part: Part,
+    /// Remaining part, unless the clipper has it.
+    part: CellPart,
+    /// What has cut the part, or has passed by it.
+    cuts: Vec<HalfSpace>,
+    is_whole: bool,
+    /// True from the first cut with a vertex on it.
+    is_clipped: bool,
     /// Of the vertices that are kept over the cut [m], in their order; and of all of the part's by
     /// their numbers, where new ones have none.
     levels: Vec<f64>,
@@ -29,45 +35,12 @@ pub struct CellCutter<'a> {
     numbers: Vec<u32>,
     edge_of: Vec<u32>,
     /// Faces of the part removed.
-    left: Vec<Face>,
+    left: Vec<CellFace>,
     /// A vertex this close to a cut lies on it [m].
     close: f64,
     /// Edges have to be longer [m].
     shortest: f64,
     clipper: PlaneClipper,
-}
-
-/// A polyhedron with linked sides. Removed elements stay in the lists.
-#[derive(Debug)]
-struct Part {
-    vertices: Vec<Vertex>,
-    /// Remaining vertices.
-    kept: Vec<Kept>,
-    sides: Vec<Side>,
-    faces: Vec<Face>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Vertex {
-    position: DVec3,
-    /// A side that begins at the vertex.
-    leaving: u32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Face {
-    plane: HalfSpace,
-    /// A side of the face.
-    first: u32,
-    /// True for cut faces.
-    inner: bool,
-}
-
-/// A remaining vertex.
-#[derive(Clone, Copy, Debug)]
-struct Kept {
-    position: DVec3,
-    number: u32,
 }
 
 /// Where a part is, seen from a cut.
@@ -88,9 +61,12 @@ impl<'a> CellCutter<'a> {
         let (vertices, faces) = (hull.vertices.len(), hull.planes.len());
         Self {
             hull,
-            whole: Part::of(hull, leaving),
+            whole: CellPart::of(hull, leaving),
             sides,
-            part: Part::with_room_for(vertices, sides.len(), faces),
+            part: CellPart::with_room_for(vertices, sides.len(), faces),
+            cuts: Vec::new(),
+            is_whole: true,
+            is_clipped: false,
             levels: Vec::with_capacity(2 * vertices),
             heights: Vec::with_capacity(2 * vertices),
             numbers: Vec::with_capacity(2 * vertices),
@@ -105,22 +81,65 @@ impl<'a> CellCutter<'a> {
     /// The part inside of all half-spaces, cut by one after the other; `None` if there is none. See
     /// [`PlaneClipper::clipped`], which cuts out the same.
     pub fn part(&mut self, cuts: &[HalfSpace]) -> Option<Hull> {
+        self.begin();
+        let is_left = cuts.iter().all(|cut| self.keep_inside(cut) != Kept::Nothing);
+        if is_left { self.hull() } else { None }
+    }
+
+    /// Begins a part, with all of the hull.
+    pub fn begin(&mut self) {
         self.part.copy_from(&self.whole, self.sides);
-        let mut is_whole = true;
-        for cut in cuts {
-            match self.cut(cut) {
-                Cut::Inside => {}
-                Cut::Outside => return None,
-                Cut::Through => is_whole = false,
-                Cut::Touching => return self.clipper.clipped(self.hull, cuts),
+        self.cuts.clear();
+        (self.is_whole, self.is_clipped) = (true, false);
+    }
+
+    /// Cuts the outside of a half-space off the part. Not to be called for a part of which nothing
+    /// was left.
+    pub fn keep_inside(&mut self, cut: &HalfSpace) -> Kept {
+        self.cuts.push(*cut);
+        if self.is_clipped {
+            return self.clipper.keep_inside(cut);
+        }
+        match self.cut(cut) {
+            Cut::Inside => Kept::Whole,
+            Cut::Outside => Kept::Nothing,
+            Cut::Through => {
+                self.is_whole = false;
+                Kept::Part
+            }
+            Cut::Touching => {
+                self.is_clipped = true;
+                self.clipper.begin(self.hull);
+                let mut last = Kept::Whole;
+                for cut in &self.cuts {
+                    last = self.clipper.keep_inside(cut);
+                    if last == Kept::Nothing {
+                        break;
+                    }
+                }
+                last
             }
         }
-        if is_whole {
+    }
+
+    /// Vertices of the part [m].
+    pub fn vertices(&self) -> impl Iterator<Item = DVec3> {
+        let (kept, clipped): (&[_], &[_]) =
+            if self.is_clipped { (&[], self.clipper.vertices()) } else { (&self.part.kept, &[]) };
+        kept.iter().map(|kept| kept.position).chain(clipped.iter().copied())
+    }
+
+    /// The part; `None` if rounding leaves no polyhedron.
+    pub fn hull(&mut self) -> Option<Hull> {
+        if self.is_clipped {
+            return self.clipper.part(self.hull);
+        }
+        if self.is_whole {
             return Some(self.hull.clone());
         }
         match self.finished() {
             Some(hull) => Some(hull),
-            None => self.clipper.clipped(self.hull, cuts),
+            None => self.clipper.clipped(self.hull, &self.cuts),
         }
     }
 
@@ -202,7 +221,7 @@ impl<'a> CellCutter<'a> {
             return false;
         }
         part.sides[first_rim as usize + 1].next = last;
-        part.faces.push(Face { plane: *cut, first: last, inner: true });
+        part.faces.push(CellFace { plane: *cut, first: last, inner: true });
         true
     }
 
@@ -259,104 +278,5 @@ impl<'a> CellCutter<'a> {
             a.distance_squared(b) >= least
         };
         net.edges().iter().all(is_long).then(|| Hull::new(vertices, planes, net))
-    }
-}
-
-impl Part {
-    /// An empty part, with capacity for cuts.
-    fn with_room_for(vertices: usize, sides: usize, faces: usize) -> Self {
-        Self {
-            vertices: Vec::with_capacity(2 * vertices),
-            kept: Vec::with_capacity(2 * vertices),
-            sides: Vec::with_capacity(2 * sides),
-            faces: Vec::with_capacity(2 * faces),
-        }
-    }
-
-    /// All of a hull, without its sides.
-    fn of(hull: &Hull, leaving: &[u32]) -> Self {
-        let vertex = |(&position, &leaving): (&DVec3, &u32)| Vertex { position, leaving };
-        let kept = |(&position, number): (&DVec3, u32)| Kept { position, number };
-        let face = |(face, &plane): (usize, &HalfSpace)| {
-            let (first, inner) = (hull.net.sides(face).start as u32, hull.net.is_inner(face));
-            Face { plane, first, inner }
-        };
-        Self {
-            vertices: hull.vertices.iter().zip(leaving).map(vertex).collect(),
-            kept: hull.vertices.iter().zip(0..).map(kept).collect(),
-            sides: Vec::new(),
-            faces: hull.planes.iter().enumerate().map(face).collect(),
-        }
-    }
-
-    /// Copies another part with its sides, reusing memory.
-    fn copy_from(&mut self, other: &Self, sides: &[Side]) {
-        self.vertices.clone_from(&other.vertices);
-        self.kept.clone_from(&other.kept);
-        self.sides.clear();
-        self.sides.extend_from_slice(sides);
-        self.faces.clone_from(&other.faces);
-    }
-
-    /// Forgets the vertices above a cut, where `levels` are the heights of those that were kept,
-    /// and puts the heights in the order of the vertices' numbers. Returns the lowest above.
-    fn keep_below(&mut self, levels: &[f64], heights: &mut [f64]) -> u32 {
-        let (mut least_above, mut lowest) = (f64::INFINITY, NONE);
-        let mut count = 0;
-        for (at, &height) in levels.iter().enumerate() {
-            let kept = self.kept[at];
-            heights[kept.number as usize] = height;
-            self.kept[count] = kept;
-            if height < 0.0 {
-                count += 1;
-            } else if height < least_above {
-                (least_above, lowest) = (height, kept.number);
-            }
-        }
-        self.kept.truncate(count);
-        lowest
-    }
-
-    /// Keeps the vertices that were added since there were `before`.
-    fn keep_new(&mut self, before: usize) {
-        let new = self.vertices[before..].iter().zip(before as u32..);
-        self.kept.extend(new.map(|(vertex, number)| Kept { position: vertex.position, number }));
-    }
-
-    /// A side that leaves the inside of a cut, found downhill from a vertex outside.
-    fn crossing(&self, heights: &[f64], mut vertex: u32) -> Option<u32> {
-        loop {
-            let first = self.vertices[vertex as usize].leaving;
-            let (mut side, mut lowest) = (first, vertex);
-            loop {
-                let twin = self.sides[side as usize].twin;
-                let to = self.sides[self.sides[side as usize].next as usize].origin;
-                if heights[to as usize] < 0.0 {
-                    return Some(twin);
-                }
-                if heights[to as usize] < heights[lowest as usize] {
-                    lowest = to;
-                }
-                side = self.sides[twin as usize].next;
-                if side == first {
-                    break;
-                }
-            }
-            if lowest == vertex {
-                return None;
-            }
-            vertex = lowest;
-        }
-    }
-
-    /// Adds the vertex where a side that leaves the inside crosses the cut.
-    fn add_crossing(&mut self, heights: &[f64], side: u32) -> u32 {
-        let Side { origin, next, .. } = self.sides[side as usize];
-        let outside = self.sides[next as usize].origin;
-        let (from, to) = (heights[origin as usize], heights[outside as usize]);
-        let [start, end] = [origin, outside].map(|vertex| self.vertices[vertex as usize].position);
-        let position = start + (end - start) * (from / (from - to));
-        self.vertices.push(Vertex { position, leaving: NONE });
-        self.vertices.len() as u32 - 1
     }
 }

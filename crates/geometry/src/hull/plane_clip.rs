@@ -37,6 +37,8 @@ fn side(height: f64) -> u8 {
 pub struct PlaneClipper {
     /// The longest side of the hull before any cut [m].
     size: f64,
+    /// True until a cut goes through.
+    is_whole: bool,
     vertices: Vec<DVec3>,
     planes: Vec<HalfSpace>,
     loops: FaceLoops,
@@ -83,20 +85,29 @@ impl PlaneClipper {
     /// The part of a hull inside of all half-spaces, cut by one after the other; `None` if there is
     /// none.
     pub fn clipped(&mut self, hull: &Hull, cuts: &[HalfSpace]) -> Option<Hull> {
+        self.begin(hull);
+        let is_left = cuts.iter().all(|cut| self.keep_inside(cut) != Kept::Nothing);
+        if is_left { self.part(hull) } else { None }
+    }
+
+    /// Begins a part of a hull.
+    pub(super) fn begin(&mut self, hull: &Hull) {
         self.vertices.clone_from(&hull.vertices);
         self.planes.clone_from(&hull.planes);
         self.loops.copy_from(&hull.net);
         let (low, high) = hull.bounds();
         self.size = (high - low).max_element();
-        let mut is_whole = true;
-        for cut in cuts {
-            match self.cut(cut) {
-                Side::Inside => {}
-                Side::Outside => return None,
-                Side::Cut => is_whole = false,
-            }
-        }
-        if is_whole {
+        self.is_whole = true;
+    }
+
+    /// Vertices of the part [m].
+    pub(super) fn vertices(&self) -> &[DVec3] {
+        &self.vertices
+    }
+
+    /// The part of the hull that it was begun with.
+    pub(super) fn part(&self, hull: &Hull) -> Option<Hull> {
+        if self.is_whole {
             return Some(hull.clone());
         }
         if let Some(collapsed) = self.loops.collapsed(&self.vertices, SAME * self.size)
@@ -107,12 +118,13 @@ impl PlaneClipper {
         Hull::from_loops(&self.vertices, self.planes.clone(), self.loops.clone())
     }
 
-    fn cut(&mut self, cut: &HalfSpace) -> Side {
+    /// Cuts off the outside of a half-space.
+    pub(super) fn keep_inside(&mut self, cut: &HalfSpace) -> Kept {
         // Most cuts of a cell pass by what the others have left.
         self.heights.clear();
         self.heights.extend(self.vertices.iter().map(|&vertex| cut.distance(vertex)));
         if self.heights.iter().all(|&height| height <= 0.0) {
-            return Side::Inside;
+            return Kept::Whole;
         }
         for part in ON_THE_CUT {
             // Sort the vertices into inside, on the cut (0), and outside.
@@ -127,10 +139,10 @@ impl PlaneClipper {
                 on_cut |= *height == 0.0;
             }
             if !outside {
-                return Side::Inside;
+                return Kept::Whole;
             }
             if !inside {
-                return Side::Outside;
+                return Kept::Nothing;
             }
             self.clip_faces();
             if self.close(cut) {
@@ -141,11 +153,12 @@ impl PlaneClipper {
                 std::mem::swap(&mut self.vertices, &mut self.next_vertices);
                 std::mem::swap(&mut self.loops, &mut self.next_loops);
                 std::mem::swap(&mut self.planes, &mut self.next_planes);
-                return Side::Cut;
+                self.is_whole = false;
+                return Kept::Part;
             }
         }
         // A polyhedron's section is always a single loop.
-        Side::Inside
+        Kept::Whole
     }
 
     /// Clips each face, and collects the open rim.
@@ -279,9 +292,13 @@ impl PlaneClipper {
     }
 }
 
-/// Where a hull is, seen from a cut.
-enum Side {
-    Inside,
-    Outside,
-    Cut,
+/// What a cut leaves of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// All of it lies inside.
+    Whole,
+    /// The cut goes through.
+    Part,
+    /// All of it lies outside.
+    Nothing,
 }
