@@ -307,6 +307,12 @@ fn solve(
         free(loads.iter().zip(&product).map(|(f, kx)| f.plus(-1.0, kx)).collect());
     let mut direction = blocks.apply(&residual);
     let mut size = dot(&residual, &direction);
+    // Where the loads are gone, nothing is a better start than the last solution.
+    let unloaded = blocks.apply(&loads);
+    if dot(&loads, &unloaded) <= TOLERANCE * TOLERANCE * size {
+        x.fill(Wrench::default());
+        (size, direction, residual) = (dot(&loads, &unloaded), unloaded, loads);
+    }
     for _ in 0..STEPS_PER_PIECE * pieces.len() {
         if size <= TOLERANCE * TOLERANCE * scale {
             return;

@@ -136,6 +136,30 @@ fn a_fall_breaks_bonds_if_it_is_high() {
     assert!((mass / (2400.0 * 0.48) - 1.0).abs() < 1e-10);
 }
 
+/// Without gravity nothing loads a body between blows: glue that bore the blow holds on.
+#[test]
+fn glue_without_a_load_holds() {
+    let part = |n: usize| PartDesc::Box {
+        size: [0.25; 3],
+        position: std::array::from_fn(|axis| 0.25 * (n >> axis & 1) as f64),
+        orientation: [0.0, 0.0, 0.0, 1.0],
+    };
+    let shape = ShapeDesc::Compound { parts: (0..8).map(part).collect(), resolution: NONE };
+    for rate in [30.0, 240.0] {
+        let mut scene = SceneDesc::new("space");
+        (scene.gravity, scene.frames_per_second) = ([0.0; 3], rate);
+        let body = BodyDesc {
+            position: [0.0, 1.0, 0.0],
+            linear_velocity: [0.0, -10.0, 0.0],
+            bonds: Some(bonds(1e9)),
+            ..BodyDesc::new("cubes", shape.clone())
+        };
+        scene.bodies = vec![BodyDesc::ground(0.0), body];
+        let mut world = World::build(&scene).unwrap();
+        assert!(run(&mut world, rate as u32).is_empty(), "{rate} Hz");
+    }
+}
+
 /// A ball that strikes an anchored wall of pieces knocks some out, and the rest stands.
 #[test]
 fn an_anchored_wall_loses_what_is_struck() {
