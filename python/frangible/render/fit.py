@@ -42,7 +42,7 @@ def best_place(subject: Subject, axes: Float64, slopes: Float64) -> Float64:
                 parts[:, :, axis], first[:, axis], 2.0 * slopes[axis] * distance, weights, is_seen
             )
         lost = np.bincount(times, np.where(is_whole & ~is_seen, weights, 0.0))
-        if np.any(lost > LOST * each_time):
+        if np.any(lost > LOST * each_time) or not is_seen.any():
             continue
         # As near as what is seen allows.
         planes = parts[is_seen].max(axis=0)
