@@ -9,7 +9,7 @@ mod mesh_columns;
 
 use crate::align::{Impact, corners};
 use crate::filling::lots::Lots;
-use crate::filling::mesh_columns::points_of_mesh;
+use crate::filling::mesh_columns::points_of_triangles;
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
 use crate::placement::Placement;
@@ -81,6 +81,12 @@ impl Filling {
             Geometry::Grid(solid) => {
                 (points_of_grid(solid, count, &mut random, is_near), struck.volume)
             }
+            Geometry::Solid(solid) => {
+                let mut triangles = Vec::new();
+                solid.fans(|corners| triangles.push(corners));
+                let bounds = solid.bounds();
+                (points_of_triangles(&triangles, bounds, count, &mut random), struck.volume)
+            }
             geometry => {
                 let hulls = hulls_within(geometry, struck, &facets);
                 points_of_hulls(&hulls, count, &mut random, is_near)
@@ -102,7 +108,10 @@ impl Filling {
         let axes = Placement::axes_around(impact, &corners, 0.0);
         let frame = Frame { axes, point: impact.point_body };
         let mut random = Pcg64Mcg::seed_from_u64(seed);
-        let points = points_of_mesh(mesh, number_of_points(wanted), &mut random);
+        let triangles: Vec<[DVec3; 3]> =
+            (0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)).collect();
+        let count = number_of_points(wanted);
+        let points = points_of_triangles(&triangles, mesh.bounds(), count, &mut random);
         let volume = mesh.mass_properties().volume;
         Self::around(&frame, &corners, points, (volume, wanted))
     }

@@ -5,17 +5,19 @@ pub(crate) mod hulls;
 pub(crate) mod interface;
 pub(crate) mod meshes;
 pub(crate) mod sections;
+pub(crate) mod solids;
 pub(crate) mod voxels;
 
 use crate::fragment::Fragment;
 use crate::interfaces::interface::{Contacts, Interface};
+use crate::interfaces::solids::between_solids;
 use frangible_geometry::{Geometry, Shape};
 use frangible_math::RigidTransform;
 
 /// The contacts between the pieces of one break, in the order of `a`, then of `b`.
 ///
 /// Convex polyhedra, and compounds of them, touch where faces of two of them lie in one plane and
-/// look at each other: the area is exact.
+/// look at each other: the area is exact. So do other solids along the cracks between them.
 ///
 /// Pieces on a lattice touch where a voxel of one has a voxel of the other beside it. The faces
 /// between the two make a staircase, whose area is too large by up to the root of 3; the sum of
@@ -40,7 +42,7 @@ pub fn interfaces(fragments: &[Fragment]) -> Vec<Interface> {
 /// The same of shapes with their body frames in the parent's. Compounds touch where polyhedra of
 /// two of them do.
 pub fn interfaces_between(pieces: &[(&Shape, RigidTransform)]) -> Vec<Interface> {
-    if let Some(interfaces) = between_polyhedra(pieces) {
+    if let Some(interfaces) = between_solids(pieces).or_else(|| between_polyhedra(pieces)) {
         return interfaces;
     }
 
@@ -54,6 +56,7 @@ pub fn interfaces_between(pieces: &[(&Shape, RigidTransform)]) -> Vec<Interface>
             Geometry::ClosedForm(_)
             | Geometry::Hull(_)
             | Geometry::Compound(_)
+            | Geometry::Solid(_)
             | Geometry::Mesh(_) => None,
         })
         .collect();

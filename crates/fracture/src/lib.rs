@@ -27,6 +27,7 @@ mod rough;
 mod shapes;
 mod shatter;
 mod shatter_hull;
+mod shatter_solid;
 mod slivers;
 mod strength_points;
 mod stress;

@@ -23,6 +23,7 @@ use crate::pattern::region::Region;
 use crate::placement::Placement;
 use crate::shatter::settings::ShatterSettings;
 use crate::shatter_hull;
+use crate::shatter_solid::shatter_solid;
 use components::Components;
 use frangible_geometry::{BodyFrame, ClusteredSamples, Geometry, GridSolid, Portion, Shape};
 use frangible_math::cancel;
@@ -49,6 +50,13 @@ pub fn shatter(
             shatter_planar((parent, solid), (&placement, regions), settings)
         }
         (Geometry::Grid(solid), _) => shatter_sampled((parent, solid), pattern, impact, settings),
+        (Geometry::Solid(solid), _) => {
+            let plain = pattern.without_roughness();
+            let pattern = plain.as_ref().unwrap_or(pattern);
+            let Some(regions) = pattern.planar() else { return Vec::new() };
+            let placement = Placement::with(pattern, impact, parent, settings);
+            shatter_solid((parent, solid), (&placement, regions), settings)
+        }
         (_, Some(_)) => match &settings.reach {
             Some(reach) => shatter_within(parent, pattern, impact, (settings, reach)),
             None => shatter_hull(parent, pattern, impact, settings),

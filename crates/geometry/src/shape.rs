@@ -14,6 +14,7 @@ use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
 use crate::revolved::Revolved;
 use crate::sample_clusters::{ClusteredSamples, LazySamples, SampleCluster};
+use crate::solid::Solid;
 use crate::static_mesh::StaticMesh;
 use crate::surface_samples::closed_form_samples;
 use crate::voxel_bounds::bounds_in_body;
@@ -63,6 +64,9 @@ pub enum Geometry {
     Compound(#[serde(with = "frangible_math::shared")] Arc<Compound>),
     /// Samples on a grid: can break.
     Grid(Box<GridSolid>),
+    /// A closed solid of any form: exact, also where it breaks. It meets others as the hull or the
+    /// compound of its shape.
+    Solid(#[serde(with = "frangible_math::shared")] Arc<Solid>),
     /// Triangles of what does not move by itself: no volume.
     Mesh(#[serde(with = "frangible_math::shared")] Arc<StaticMesh>),
 }
@@ -118,6 +122,7 @@ impl Check for Shape {
                 let own = self.compound.as_ref().map(|own| own.parts().len());
                 require(own == Some(whole.parts().len()), "a compound in its own frame")?;
             }
+            Geometry::Solid(solid) => solid.check()?,
             Geometry::Mesh(_) => require(self.volume == 0.0, "a mesh without a volume")?,
         }
         self.body_from_grid.check()?;
@@ -226,7 +231,7 @@ impl Shape {
                 let compound = Some(Arc::new(compound));
                 Some(Self { body_from_grid, bounds, compound, ..whole })
             }
-            Geometry::Grid(_) | Geometry::Mesh(_) => None,
+            Geometry::Grid(_) | Geometry::Solid(_) | Geometry::Mesh(_) => None,
         }
     }
 
@@ -306,6 +311,46 @@ impl Shape {
             unit_moments,
             hull: None,
             compound: Some(Arc::new(in_body)),
+            part_of: None,
+            sample_spacing,
+            samples: LazySamples::default(),
+        })
+    }
+
+    /// A closed solid of any form, and the hulls as which it meets others, in its own frame; none
+    /// for a shape that only breaks. Samples lie about `sample_spacing` [m] apart.
+    ///
+    /// # Errors
+    /// If its volume or a moment vanishes.
+    pub fn solid_with_mass(
+        solid: Solid,
+        mut hulls: Vec<Hull>,
+        mass: &MassProperties,
+        sample_spacing: f64,
+    ) -> Result<Self, NoMass> {
+        let (unit_moments, body_from_grid) = mass.body_frame()?;
+        let (hull, compound) = match (hulls.len(), hulls.pop()) {
+            (_, None) => (None, None),
+            (1, Some(hull)) => (Some(Arc::new(hull.transformed(&body_from_grid))), None),
+            (_, Some(last)) => {
+                hulls.push(last);
+                let in_body = Compound::new(hulls).transformed(&body_from_grid);
+                (None, Some(Arc::new(in_body)))
+            }
+        };
+        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let bounds = solid.vertices().iter().fold(none, |(low, high), &vertex| {
+            let place = body_from_grid.point(vertex);
+            (low.min(place), high.max(place))
+        });
+        Ok(Self {
+            geometry: Geometry::Solid(Arc::new(solid)),
+            body_from_grid,
+            bounds,
+            volume: mass.volume,
+            unit_moments,
+            hull,
+            compound,
             part_of: None,
             sample_spacing,
             samples: LazySamples::default(),
@@ -397,7 +442,9 @@ impl Shape {
             Geometry::Hull(hull) => Some(hull),
             // Its grid frame is the body frame.
             Geometry::ClosedForm(_) => self.hull.as_deref(),
-            Geometry::Compound(_) | Geometry::Grid(_) | Geometry::Mesh(_) => None,
+            Geometry::Compound(_) | Geometry::Grid(_) | Geometry::Solid(_) | Geometry::Mesh(_) => {
+                None
+            }
         }
     }
 
@@ -410,11 +457,19 @@ impl Shape {
 
     /// Signed distance [m] and its unit gradient at a point in the body frame [m].
     pub fn distance_and_gradient(&self, point_body: DVec3) -> (f64, DVec3) {
+        match (&self.geometry, &self.hull, &self.compound) {
+            (Geometry::Solid(_), Some(hull), _) => return hull.distance_and_gradient(point_body),
+            (Geometry::Solid(_), _, Some(compound)) => {
+                return compound.distance_and_gradient(point_body);
+            }
+            _ => {}
+        }
         let point_grid = self.body_from_grid.inverse().point(point_body);
         let (distance, gradient_grid) = match &self.geometry {
             Geometry::ClosedForm(form) => form.distance_and_gradient(point_grid),
             Geometry::Hull(hull) => hull.distance_and_gradient(point_grid),
             Geometry::Compound(compound) => compound.distance_and_gradient(point_grid),
+            Geometry::Solid(solid) => solid.distance_and_gradient(point_grid),
             Geometry::Mesh(mesh) => mesh.distance_and_gradient(point_grid),
             Geometry::Grid(solid) => {
                 let (distance, gradient) = solid.value_and_gradient(point_grid);
@@ -435,6 +490,7 @@ impl Shape {
             }
             Geometry::Compound(compound) => compound.surface(),
             Geometry::Grid(solid) => polygonize(solid),
+            Geometry::Solid(solid) => solid.surface(),
             Geometry::Mesh(mesh) => without_cracks(mesh.to_tri_mesh()),
         };
         for position in &mut surface.mesh.positions {

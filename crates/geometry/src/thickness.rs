@@ -62,6 +62,7 @@ impl Shape {
             Geometry::Hull(hull) => Walls::of_hull(hull),
             Geometry::Compound(compound) => Walls::of_compound(compound),
             Geometry::Grid(solid) => Walls::of_grid(solid, point),
+            Geometry::Solid(solid) => Walls::of_solid(solid),
             Geometry::Mesh(_) => return f64::INFINITY,
         };
         walls.thickness(point, extent)
@@ -75,6 +76,9 @@ impl Shape {
                 Some(thickness) => return thickness,
                 None => self.samples().iter().map(|sample| sample.as_dvec3()).collect(),
             },
+            (Geometry::Solid(solid), _) => {
+                solid.vertices().iter().map(|&vertex| self.body_from_grid.point(vertex)).collect()
+            }
             (_, Some(hull)) => hull.vertices().to_vec(),
             _ => self.samples().iter().map(|sample| sample.as_dvec3()).collect(),
         };

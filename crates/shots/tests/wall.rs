@@ -40,7 +40,7 @@ fn fragments_at(world: &World, point: DVec3) -> usize {
     let at = |shape: &frangible::geometry::Shape| match &shape.geometry {
         Geometry::Grid(solid) => f64::from(solid.value(point)) < VOXEL,
         Geometry::Hull(hull) => hull.distance_and_gradient(point).0 < VOXEL,
-        Geometry::ClosedForm(_) | Geometry::Compound(_) | Geometry::Mesh(_) => false,
+        _ => false,
     };
     world.bodies().shapes.iter().filter(|shape| at(shape)).count()
 }

@@ -176,6 +176,14 @@ fn visit_inside(
             let distance = |point: DVec3, most: f64| compound.distance_up_to(point, most);
             visit_inside_exact(body, distance, &grid_from_body, contour, near, visit);
         }
+        Geometry::Solid(_) => {
+            let distance = |point: DVec3, most: f64| match (&other.hull, &other.compound) {
+                (Some(hull), _) => hull.distance_up_to(point, most),
+                (None, Some(compound)) => compound.distance_up_to(point, most),
+                (None, None) => other.distance_and_gradient(point).0,
+            };
+            visit_inside_exact(body, distance, other_from_body, contour, near, visit);
+        }
         Geometry::Mesh(mesh) => {
             let distance = |point: DVec3, most: f64| mesh.distance_up_to(point, most);
             visit_inside_exact(body, distance, &grid_from_body, contour, near, visit);

@@ -214,7 +214,8 @@ fn meeting(
             meetings.reduce(|a, b| if b.0 < a.0 { b } else { a })
         }
         None => {
-            let is_convex = matches!(shape.geometry, Geometry::ClosedForm(_) | Geometry::Hull(_));
+            let is_convex =
+                shape.hull.is_some() || matches!(shape.geometry, Geometry::ClosedForm(_));
             let mesh = match &shape.geometry {
                 Geometry::Mesh(mesh) => Some(bodies.seen_by(mesh, other, body)),
                 _ => None,

@@ -1,7 +1,6 @@
 //! Points of the solid in a closed surface.
 
 use crate::filling::lots::Lots;
-use frangible_geometry::TriMesh;
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -10,8 +9,12 @@ use rand_pcg::Pcg64Mcg;
 const COLUMNS: f64 = 16_384.0;
 
 /// Points of the solid in a closed surface: on columns through it.
-pub(super) fn points_of_mesh(mesh: &TriMesh, count: usize, random: &mut Pcg64Mcg) -> Vec<DVec3> {
-    let (low, high) = mesh.bounds();
+pub(super) fn points_of_triangles(
+    triangles: &[[DVec3; 3]],
+    (low, high): (DVec3, DVec3),
+    count: usize,
+    random: &mut Pcg64Mcg,
+) -> Vec<DVec3> {
     let size = high - low;
     let axis = (0..3).min_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
     let across = [(axis + 1) % 3, (axis + 2) % 3];
@@ -30,8 +33,7 @@ pub(super) fn points_of_mesh(mesh: &TriMesh, count: usize, random: &mut Pcg64Mcg
 
     // Where each column crosses the surface, and whether inward.
     let mut crossings: Vec<(usize, f64, i32)> = Vec::new();
-    for triangle in 0..mesh.triangles.len() {
-        let corners = mesh.corners(triangle);
+    for corners in triangles {
         let flat = corners.map(|corner| across.map(|side| corner[side]));
         let cells: [[usize; 2]; 2] = std::array::from_fn(|side| {
             let at = |place: f64| ((place - low[across[side]]) / width[side]).max(0.0) as usize;

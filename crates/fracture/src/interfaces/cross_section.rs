@@ -75,11 +75,21 @@ impl CrossSection {
 impl FlatPart {
     /// A convex polygon with this unit normal; `None` without area.
     pub(crate) fn of_polygon(polygon: &[DVec3], normal: DVec3) -> Option<Self> {
-        let (&apex, others) = polygon.split_first()?;
+        let sides = polygon.iter().copied().zip(polygon.iter().copied().skip(1));
+        Self::of_sides(sides.map(|(from, to)| [from, to]), normal)
+    }
+
+    /// Polygons of any form, with holes, by their directed edges around this unit normal; edges at
+    /// the first corner may be left out. `None` without area.
+    pub(crate) fn of_sides(
+        sides: impl Iterator<Item = [DVec3; 2]> + Clone,
+        normal: DVec3,
+    ) -> Option<Self> {
+        let [apex, _] = sides.clone().next()?;
         let (mut area, mut moment, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
-        for pair in others.windows(2) {
-            let (one, other) = (pair[0] - apex, pair[1] - apex);
-            let part = 0.5 * one.cross(other).length();
+        for [from, to] in sides.clone() {
+            let (one, other) = (from - apex, to - apex);
+            let part = 0.5 * one.cross(other).dot(normal);
             area += part;
             moment += part * (one + other) / 3.0;
             let sum = one + other;
@@ -90,12 +100,13 @@ impl FlatPart {
         }
         let from_apex = moment / area;
         let centroid = apex + from_apex;
+        let corners = std::iter::once(apex).chain(sides.map(|[_, to]| to));
         Some(Self {
             vector: area * normal,
             centroid,
             section: CrossSection {
                 second_moment: second - outer(from_apex, from_apex) * area,
-                rim: polygon.iter().map(|&corner| corner - centroid).collect(),
+                rim: corners.map(|corner| corner - centroid).collect(),
             },
         })
     }

@@ -17,13 +17,20 @@ pub struct CutPiece {
 }
 
 /// A triangle of a crack.
-struct CrackTriangle {
+pub(super) struct CrackTriangle {
     piece: usize,
     corners: [DVec3; 3],
     /// Unit, outward.
     normal: DVec3,
     low: DVec3,
     high: DVec3,
+}
+
+impl CrackTriangle {
+    pub(super) fn new(piece: usize, corners: [DVec3; 3], normal: DVec3) -> Self {
+        let [a, b, c] = corners;
+        Self { piece, corners, normal, low: a.min(b).min(c), high: a.max(b).max(c) }
+    }
 }
 
 /// The contacts between the pieces of one mesh, in the order of `a`, then of `b`, in the mesh's
@@ -41,6 +48,11 @@ pub(crate) fn mesh_interfaces_within(pieces: &[CutPiece], apart: f64) -> Vec<Int
         .enumerate()
         .flat_map(|(number, piece)| crack_triangles(number, piece))
         .collect();
+    interfaces_of_triangles(&triangles, apart)
+}
+
+/// The contacts between pieces with these cracks.
+pub(super) fn interfaces_of_triangles(triangles: &[CrackTriangle], apart: f64) -> Vec<Interface> {
     let boxes: Vec<(DVec3, DVec3)> = triangles.iter().map(|one| (one.low, one.high)).collect();
     let low = boxes.iter().fold(DVec3::INFINITY, |low, bounds| low.min(bounds.0));
     let high = boxes.iter().fold(DVec3::NEG_INFINITY, |high, bounds| high.max(bounds.1));
@@ -80,12 +92,6 @@ fn crack_triangles(number: usize, piece: &CutPiece) -> impl Iterator<Item = Crac
         let corners = piece.mesh.corners(triangle);
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a).try_normalize()?;
-        Some(CrackTriangle {
-            piece: number,
-            corners,
-            normal,
-            low: a.min(b).min(c),
-            high: a.max(b).max(c),
-        })
+        Some(CrackTriangle::new(number, corners, normal))
     })
 }

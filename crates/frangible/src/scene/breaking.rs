@@ -2,7 +2,7 @@
 
 use crate::scene::check::{BuildError, Checker};
 use crate::scene::desc::breaking::{BreakingDesc, StrengthDesc};
-use crate::scene::desc::shape::ShapeDesc;
+use crate::scene::desc::shape::{Resolution, ShapeDesc};
 use crate::scene::desc::{BodyDesc, Method, MotionDesc};
 use crate::scene::pattern_choice::{LEAST_PIECE, PatternChoice};
 use crate::scene::shapes::{Make, ShapeLibrary};
@@ -10,30 +10,44 @@ use crate::scene::strength::Strength;
 use crate::scene::strength_points::build_strength_points;
 use crate::world::Breaking;
 use frangible_fracture::{MOST_CELLS, Reach, Rim, ShatterSettings, Smallest};
-use frangible_geometry::{Geometry, Shape};
+use frangible_geometry::{BodyFrame, Geometry, Shape};
 use std::sync::Arc;
 
-/// Convex bodies under planar cracks break exactly into convex pieces. The paper's method uses
-/// level sets instead.
+/// Convex bodies under planar cracks break exactly into convex pieces, and meshes into pieces of
+/// their own surface. The paper's method uses level sets instead.
 pub(crate) fn make_to_break(desc: &BodyDesc, breaking: &Breaking, method: Method) -> Make {
     let is_exact = desc.shape.is_convex()
         || breaking.shatter.reach.is_some() && matches!(desc.shape, ShapeDesc::Compound { .. });
-    if method == Method::FrameRate && breaking.choice.is_planar() && is_exact {
+    let may_be_exact = method == Method::FrameRate && breaking.choice.is_planar();
+    let is_solid = desc.shape.is_mesh() && breaking.shatter.reach.is_none();
+    let asks_for_voxels = *desc.shape.resolution() != Resolution::default();
+    if may_be_exact && is_exact {
         Make::Polyhedron
+    } else if may_be_exact && is_solid && !asks_for_voxels {
+        Make::Solid
     } else {
         Make::Voxels
     }
 }
 
-/// The exact shape of a body that breaks on the grid of `solid`, for as long as it is whole. `None`
-/// for meshes, and for bodies that ask for voxels or have a mass of their own.
-pub(crate) fn exact_until_broken(
+/// The shape of a body for as long as it is whole, if it is another than the one that it breaks as:
+/// exact for one that breaks on a grid, but not for meshes, bodies that ask for voxels and those with
+/// a mass of their own; and on a grid for a solid that no few hulls stand for.
+pub(crate) fn shape_until_broken(
     desc: &BodyDesc,
     solid: &Arc<Shape>,
     (at, library): (&Checker, &mut ShapeLibrary),
 ) -> Result<Option<Shape>, BuildError> {
     let is_exact = desc.shape.is_convex() || matches!(desc.shape, ShapeDesc::Compound { .. });
     let is_free = desc.shape.resolution().voxels.is_none() && desc.mass_properties.is_none();
+    if matches!(solid.geometry, Geometry::Solid(_)) {
+        if solid.hull.is_some() || solid.compound.is_some() {
+            return Ok(None);
+        }
+        let sampled = library.shape(&desc.shape, Make::Voxels, &at.field("shape"))?;
+        let Shape { body_from_grid, volume, unit_moments, .. } = **solid;
+        return Ok(sampled.with_body_frame(BodyFrame { body_from_grid, volume, unit_moments }));
+    }
     let has_grid = matches!(solid.geometry, Geometry::Grid(_));
     if !(is_exact && is_free && has_grid) {
         return Ok(None);

@@ -4,7 +4,7 @@ use crate::hand::state::Hand;
 use crate::report::books::Books;
 use crate::scene::bonds::build_bonds;
 use crate::scene::breaking::{
-    build_breaking, check_breaking, exact_until_broken, fit_to_shape, make_to_break,
+    build_breaking, check_breaking, fit_to_shape, make_to_break, shape_until_broken,
 };
 use crate::scene::check::{BuildError, Checker, MOST_SPEED, MOST_SPIN};
 use crate::scene::desc::breaking::BondsDesc;
@@ -199,7 +199,7 @@ fn build_body(
     let mut breaking = breaking.map(|breaking| fit_to_shape(breaking, &desc.shape, &shape));
     let mut shape = shape;
     if let Some(breaking) = &mut breaking
-        && let Some(whole) = exact_until_broken(desc, &shape, (at, library))?
+        && let Some(whole) = shape_until_broken(desc, &shape, (at, library))?
     {
         breaking.solid = Some(std::mem::replace(&mut shape, Arc::new(whole)));
     }

@@ -9,11 +9,15 @@ use crate::hull::edges::{plane_of, sides};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Points this close to a common plane, relative to their longest extent, make one face:
 /// coordinates that went through single precision or a text file still give the faces that were
 /// meant.
 const COPLANAR: f64 = 1e-6;
+
+/// The same of points that were cut in double precision.
+const ROUNDED: f64 = 1e-10;
 
 /// A hull thinner than this, relative to its longest extent, has no inside that can be told from
 /// its faces.
@@ -40,6 +44,25 @@ impl Hull {
     /// # Errors
     /// If the points span no volume.
     pub fn of_points(points: &[DVec3]) -> Result<Self, HullError> {
+        Self::of_most_points(points, COPLANAR, usize::MAX, 0.0)
+    }
+
+    /// A hull of few of the points [m]: those that lie farthest outside of what there is, one after
+    /// the other, until no point lies farther out than `within` [m] or there are `most`. It lies in
+    /// the hull of all of them, but for rounding.
+    ///
+    /// # Errors
+    /// If the points span no volume.
+    pub fn of_few_points(points: &[DVec3], most: usize, within: f64) -> Result<Self, HullError> {
+        Self::of_most_points(points, ROUNDED, most, within)
+    }
+
+    fn of_most_points(
+        points: &[DVec3],
+        coplanar: f64,
+        most: usize,
+        within: f64,
+    ) -> Result<Self, HullError> {
         if points.iter().any(|point| !point.is_finite()) {
             return Err(HullError::NotFinite);
         }
@@ -48,11 +71,11 @@ impl Hull {
         }
         let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
         let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
-        let close = COPLANAR * (high - low).max_element();
+        let close = coplanar * (high - low).max_element();
         let points = &welded(points, close);
-        let triangles = Quickhull::run(points)?;
+        let triangles = Quickhull::run(points, most, within)?;
         // Should merging leave anything but a sphere's topology, the triangles are the hull.
-        Self::with_merged_faces(points, &triangles, close)
+        Self::with_merged_faces(points, &triangles, close, close / coplanar)
             .or_else(|| {
                 let Merged { planes, loops, .. } = merged(points, &triangles, 0.0, &[])?;
                 Self::from_loops(points, planes, loops)
@@ -62,12 +85,17 @@ impl Hull {
 
     /// The hull of triangles, all within `close` [m] of a plane as one face, as far as its vertices
     /// then lie on their faces' planes and inside of all others.
-    fn with_merged_faces(points: &[DVec3], triangles: &[[u32; 3]], close: f64) -> Option<Self> {
+    fn with_merged_faces(
+        points: &[DVec3],
+        triangles: &[[u32; 3]],
+        close: f64,
+        extent: f64,
+    ) -> Option<Self> {
         let mut alone = vec![false; triangles.len()];
         loop {
             let Merged { mut planes, loops, face_of } = merged(points, triangles, close, &alone)?;
             let moved = flattened(points, &mut planes, &loops);
-            let at_odds = at_odds(&moved, &planes, &loops, close / COPLANAR);
+            let at_odds = at_odds(&moved, &planes, &loops, extent);
             let mut count = vec![0; planes.len()];
             face_of.iter().for_each(|&face| count[face] += 1);
             // Triangles that were faces of their own already stay.
@@ -97,38 +125,43 @@ fn welded(points: &[DVec3], close: f64) -> Vec<DVec3> {
     points.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept).map(|(&point, _)| point).collect()
 }
 
+/// Points that a hull begins with.
+const FIRST: usize = 4;
+
 /// Triangles of the growing hull.
 struct Quickhull<'a> {
     points: &'a [DVec3],
     triangles: Vec<Triangle>,
-    /// Which triangle runs along a directed edge.
-    triangle_along: BTreeMap<[u32; 2], usize>,
+    /// Of each vertex on the last rim the new triangle that runs along the rim from there.
+    from_vertex: Vec<usize>,
 }
 
 struct Triangle {
     /// Counter-clockwise seen from outside.
     corners: [u32; 3],
+    /// The triangles behind its sides, in their order.
+    beside: [usize; 3],
     /// Points outside of its plane that no other triangle has.
     outside: Vec<u32>,
     alive: bool,
 }
 
 impl<'a> Quickhull<'a> {
-    fn run(points: &'a [DVec3]) -> Result<Vec<[u32; 3]>, HullError> {
+    /// Up to `most` points, and until none lies farther out than `within` [m].
+    fn run(points: &'a [DVec3], most: usize, within: f64) -> Result<Vec<[u32; 3]>, HullError> {
         let [a, b, c, d] = first_tetrahedron(points)?;
-        let mut hull = Self { points, triangles: Vec::new(), triangle_along: BTreeMap::new() };
+        let mut hull = Self { points, triangles: Vec::new(), from_vertex: vec![0; points.len()] };
         let all: Vec<u32> = (0..points.len() as u32).collect();
-        let new = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(|corners| hull.insert(corners));
-        hull.share_out(&new, all);
+        hull.insert([a, b, c], [1, 2, 3]);
+        hull.insert([a, d, b], [3, 2, 0]);
+        hull.insert([b, d, c], [1, 3, 0]);
+        hull.insert([c, d, a], [2, 1, 0]);
+        hull.share_out(0..FIRST, all);
 
-        // Add the furthest point of each triangle until nothing is outside.
-        let mut next = 0;
-        while next < hull.triangles.len() {
-            if let Some(apex) = hull.furthest(next) {
-                hull.grow(next, apex);
-            } else {
-                next += 1;
-            }
+        if most < points.len() || within > 0.0 {
+            hull.grow_farthest(most, within);
+        } else {
+            hull.grow_all();
         }
         Ok(hull
             .triangles
@@ -136,6 +169,47 @@ impl<'a> Quickhull<'a> {
             .filter(|triangle| triangle.alive)
             .map(|triangle| triangle.corners)
             .collect())
+    }
+
+    /// Adds the furthest point of each triangle until nothing is outside.
+    fn grow_all(&mut self) {
+        let mut next = 0;
+        while next < self.triangles.len() {
+            if let Some(apex) = self.furthest(next) {
+                self.grow(next, apex);
+            } else {
+                next += 1;
+            }
+        }
+    }
+
+    /// Adds the furthest point of all until there are `most`, or none lies farther out than
+    /// `within` [m].
+    fn grow_farthest(&mut self, most: usize, within: f64) {
+        let mut heights: Vec<(f64, u32)> = Vec::new();
+        for _ in FIRST..most {
+            for triangle in heights.len()..self.triangles.len() {
+                let apex = self.furthest(triangle);
+                let height = apex.map(|apex| (self.height(triangle, apex), apex));
+                heights.push(height.unwrap_or((0.0, 0)));
+            }
+            let alive = (0..heights.len()).filter(|&triangle| self.triangles[triangle].alive);
+            let higher =
+                |&a: &usize, &b: &usize| heights[a].0.total_cmp(&heights[b].0).then(b.cmp(&a));
+            match alive.max_by(higher) {
+                Some(triangle) if heights[triangle].0 > within => {
+                    self.grow(triangle, heights[triangle].1);
+                }
+                _ => return,
+            }
+        }
+    }
+
+    /// Height of a point over a triangle's plane [m].
+    fn height(&self, triangle: usize, point: u32) -> f64 {
+        let [a, b, c] = self.triangles[triangle].corners.map(|corner| self.points[corner as usize]);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        normal.dot(self.points[point as usize] - a)
     }
 
     /// True for points strictly outside a triangle's plane, exactly.
@@ -148,19 +222,14 @@ impl<'a> Quickhull<'a> {
         orient3d(a, b, c, coord(point)) < 0.0
     }
 
-    fn insert(&mut self, corners: [u32; 3]) -> usize {
-        let index = self.triangles.len();
-        for side in sides(&corners) {
-            self.triangle_along.insert(side, index);
-        }
-        self.triangles.push(Triangle { corners, outside: Vec::new(), alive: true });
-        index
+    fn insert(&mut self, corners: [u32; 3], beside: [usize; 3]) {
+        self.triangles.push(Triangle { corners, beside, outside: Vec::new(), alive: true });
     }
 
     /// Gives each point to the first of the new triangles that it is outside of.
-    fn share_out(&mut self, new: &[usize], points: Vec<u32>) {
+    fn share_out(&mut self, new: Range<usize>, points: Vec<u32>) {
         for point in points {
-            if let Some(&triangle) = new.iter().find(|&&triangle| self.sees(point, triangle)) {
+            if let Some(triangle) = new.clone().find(|&triangle| self.sees(point, triangle)) {
                 self.triangles[triangle].outside.push(point);
             }
         }
@@ -185,9 +254,8 @@ impl<'a> Quickhull<'a> {
         self.triangles[seen].alive = false;
         while let Some(triangle) = open.pop() {
             orphans.append(&mut self.triangles[triangle].outside);
-            let corners = self.triangles[triangle].corners;
-            for [a, b] in sides(&corners) {
-                let beside = self.triangle_along[&[b, a]];
+            let Triangle { corners, beside, .. } = self.triangles[triangle];
+            for ([a, b], beside) in sides(&corners).zip(beside) {
                 if !self.triangles[beside].alive {
                     continue;
                 }
@@ -195,13 +263,32 @@ impl<'a> Quickhull<'a> {
                     self.triangles[beside].alive = false;
                     open.push(beside);
                 } else {
-                    rim.push([a, b]);
+                    rim.push(([a, b], beside));
                 }
             }
         }
-        let new: Vec<usize> = rim.into_iter().map(|[a, b]| self.insert([a, b, apex])).collect();
+        self.close(&rim, apex);
         orphans.retain(|&point| point != apex);
-        self.share_out(&new, orphans);
+        self.share_out(self.triangles.len() - rim.len()..self.triangles.len(), orphans);
+    }
+
+    /// Adds the cone from `apex` to a rim, of which the triangles beside it are known.
+    fn close(&mut self, rim: &[([u32; 2], usize)], apex: u32) {
+        let first = self.triangles.len();
+        for (index, &([a, _], _)) in (first..).zip(rim) {
+            self.from_vertex[a as usize] = index;
+        }
+        for (index, &([a, b], beside)) in (first..).zip(rim) {
+            self.insert([a, b, apex], [beside, self.from_vertex[b as usize], first]);
+            let Triangle { corners, beside: theirs, .. } = &mut self.triangles[beside];
+            let slot = corners.iter().position(|&corner| corner == b).unwrap_or(0);
+            theirs[slot] = index;
+        }
+        // The one before it along the rim.
+        for index in first..self.triangles.len() {
+            let next = self.triangles[index].beside[1];
+            self.triangles[next].beside[2] = index;
+        }
     }
 }
 

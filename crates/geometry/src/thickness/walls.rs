@@ -8,6 +8,7 @@ use crate::hull::Hull;
 use crate::level_set::LevelSet;
 use crate::mesh_boundary::MeshBoundary;
 use crate::revolved::Revolved;
+use crate::solid::Solid;
 use glam::DVec3;
 
 /// The planes, triangles and samples that a solid ends at, all in one frame.
@@ -39,6 +40,10 @@ impl<'a> Walls<'a> {
 
     pub(super) fn of_compound(compound: &'a Compound) -> Self {
         Self { triangles: Some(compound.boundary()), compound: Some(compound), ..Self::default() }
+    }
+
+    pub(super) fn of_solid(solid: &'a Solid) -> Self {
+        Self { triangles: Some(solid.boundary()), ..Self::default() }
     }
 
     /// Of a formula, at a point: a body of revolution is there as its section through the point and
