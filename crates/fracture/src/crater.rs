@@ -8,12 +8,11 @@ use crate::align::Impact;
 use crate::fragment::Fragment;
 use crate::interfaces::hulls;
 use crate::pattern::Pattern;
+use crate::piece::{Piece, give_absorbed, together};
 use crate::placement::Placement;
 use crate::reach::{Reach, Rim};
 use crate::shatter::settings::ShatterSettings;
-use crate::shatter_hull::{
-    NO_VOLUME, NOT_FILLED, Piece, SAME_VERTEX, Workshop, absorbed_by, together,
-};
+use crate::shatter_hull::{CutHull, NO_VOLUME, NOT_FILLED, SAME_VERTEX, Workshop};
 use frangible_geometry::{
     CellCutter, Compound, Geometry, HalfSpace, Hull, MassProperties, Shape, weld_hulls,
 };
@@ -120,10 +119,10 @@ fn cut_cells(
 ) -> Vec<Part> {
     let mut workshop = Workshop::new(hull, hull.volume());
     let regions = pattern.planar().unwrap_or_default().iter().zip(0..);
-    let pieces: Vec<Piece> =
+    let pieces: Vec<Piece<CutHull>> =
         regions.filter_map(|(region, cell)| workshop.cell(placement, region, cell)).collect();
-    let pieces = workshop.merge_slivers(pieces, &settings.smallest, true);
-    let part = |Piece { hull, mass, cell, .. }: Piece| Part { hull, mass, cell };
+    let pieces = workshop.join_small(pieces, &settings.smallest, true);
+    let part = |Piece { form, mass, cell }: Piece<CutHull>| Part { hull: form.hull, mass, cell };
     pieces.into_iter().map(part).collect()
 }
 
@@ -204,11 +203,8 @@ fn fragments(parent: &Shape, hulls: &[Hull], groups: Vec<Vec<Part>>) -> Vec<Frag
     let mut masses: Vec<MassProperties> =
         groups.iter().filter_map(|group| sum(&mut group.iter().map(|part| part.mass))).collect();
     let without = sum(&mut hulls.iter().map(Hull::mass_properties));
-    let heaviest = masses.iter_mut().max_by(|a, b| a.volume.total_cmp(&b.volume));
-    if let (Some(heaviest), Some(without)) = (heaviest, without)
-        && let Some(lump) = absorbed_by(parent, &without)
-    {
-        *heaviest = lump.iter().fold(*heaviest, |mass, part| together(&mass, part));
+    if let Some(without) = without {
+        give_absorbed(masses.iter_mut(), parent, &without);
     }
 
     let mut fragments = Vec::with_capacity(groups.len());

@@ -19,6 +19,7 @@ mod nearby;
 mod noise;
 mod pattern;
 mod pattern_file;
+mod piece;
 mod placement;
 mod polygon;
 mod prescore;

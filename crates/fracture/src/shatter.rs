@@ -50,10 +50,7 @@ pub fn shatter(
             shatter_planar((parent, solid), (&placement, regions), settings)
         }
         (Geometry::Grid(solid), _) => shatter_sampled((parent, solid), pattern, impact, settings),
-        (Geometry::Solid(solid), _) => {
-            let plain = pattern.without_roughness();
-            let pattern = plain.as_ref().unwrap_or(pattern);
-            let Some(regions) = pattern.planar() else { return Vec::new() };
+        (Geometry::Solid(solid), Some(regions)) => {
             let placement = Placement::with(pattern, impact, parent, settings);
             shatter_solid((parent, solid), (&placement, regions), settings)
         }

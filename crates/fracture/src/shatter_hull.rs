@@ -9,15 +9,15 @@ use crate::fragment::Fragment;
 use crate::interfaces::hulls::contacts_of_some;
 use crate::pattern::Pattern;
 use crate::pattern::region::Region;
+use crate::piece::{Piece, give_absorbed, join_small};
 use crate::placement::Placement;
 use crate::polygon;
 use crate::shatter::settings::ShatterSettings;
-use crate::slivers::{Groups, Smallest};
-use frangible_geometry::parallel_axis;
+use crate::slivers::Smallest;
 use frangible_geometry::weld_hulls;
 use frangible_geometry::{CellCutter, HalfSpace, Hull, HullFace, MassProperties, Shape};
 use frangible_math::cancel;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::ops::Range;
 
 /// Parts below this fraction of the parent's volume are round-off.
@@ -43,15 +43,11 @@ const BEYOND: f64 = 1e-6;
 /// Planes or pieces that there are room for at first.
 const FEW: usize = 16;
 
-/// A part of the parent, on its way to a fragment.
-pub(crate) struct Piece {
+/// A polyhedron that was cut out of the parent.
+pub(crate) struct CutHull {
     pub(crate) hull: Hull,
-    /// Cuts of this piece, as a range in the workshop's list.
+    /// The cuts of it, as a range in the workshop's list.
     cuts: Range<usize>,
-    /// Mass properties including absorbed slivers, in the parent's grid frame.
-    pub(crate) mass: MassProperties,
-    /// Where it, or its larger part, comes from.
-    pub(crate) cell: u32,
 }
 
 /// Breaks a body that has a polyhedron ([`Shape::breaks_as`]) along a planar pattern that is laid
@@ -90,16 +86,17 @@ pub(crate) fn cut_hull(
 
     // Cut each cell's part out.
     let mut workshop = Workshop::new(hull, parent.volume);
-    let mut pieces: Vec<Piece> = Vec::with_capacity(regions.len());
+    let mut pieces: Vec<Piece<CutHull>> = Vec::with_capacity(regions.len());
     let cells = regions.iter().zip(0..);
     pieces.extend(cells.filter_map(|(region, cell)| workshop.cell(&placement, region, cell)));
-    give_lump(&mut pieces, parent, hull);
-    let pieces = workshop.merge_slivers(pieces, &settings.smallest, absorbs);
+    let masses = pieces.iter_mut().map(|piece| &mut piece.mass);
+    give_absorbed(masses, parent, &hull.mass_properties());
+    let pieces = workshop.join_small(pieces, &settings.smallest, absorbs);
 
     // Neighbours share their vertices.
     let masses: Vec<(MassProperties, u32)> =
         pieces.iter().map(|piece| (piece.mass, piece.cell)).collect();
-    let mut hulls: Vec<Hull> = pieces.into_iter().map(|piece| piece.hull).collect();
+    let mut hulls: Vec<Hull> = pieces.into_iter().map(|piece| piece.form.hull).collect();
     weld_hulls(&mut hulls, SAME_VERTEX * workshop.size());
 
     // Principal frame and body of each piece.
@@ -118,41 +115,6 @@ pub(crate) fn cut_hull(
     } else {
         Vec::new()
     }
-}
-
-/// Mass that a parent has absorbed is no part of its polyhedron: its heaviest piece gets it.
-fn give_lump(pieces: &mut [Piece], parent: &Shape, hull: &Hull) {
-    let Some(lump) = absorbed_by(parent, &hull.mass_properties()) else { return };
-    let heaviest = pieces.iter_mut().max_by(|a, b| a.mass.volume.total_cmp(&b.mass.volume));
-    if let Some(piece) = heaviest {
-        piece.mass = lump.iter().fold(piece.mass, |mass, part| together(&mass, part));
-    }
-}
-
-/// The mass that a parent has absorbed besides that of its polyhedra: all of its own, and theirs
-/// taken from it.
-pub(crate) fn absorbed_by(parent: &Shape, without: &MassProperties) -> Option<[MassProperties; 2]> {
-    if (parent.volume - without.volume).abs() <= SAME_VOLUME * parent.volume {
-        return None;
-    }
-    let axes = DMat3::from_quat(parent.body_from_grid.inverse().rotation);
-    let whole = MassProperties {
-        volume: parent.volume,
-        center: parent.body_from_grid.inverse().translation,
-        inertia: axes * DMat3::from_diagonal(parent.unit_moments) * axes.transpose(),
-    };
-    let opposite =
-        MassProperties { volume: -without.volume, inertia: -without.inertia, ..*without };
-    Some([whole, opposite])
-}
-
-/// Mass properties of two rigidly joined parts.
-pub(crate) fn together(a: &MassProperties, b: &MassProperties) -> MassProperties {
-    let volume = a.volume + b.volume;
-    let center = (a.volume * a.center + b.volume * b.center) / volume;
-    let about =
-        |part: &MassProperties| part.inertia + parallel_axis(part.volume, part.center - center);
-    MassProperties { volume, center, inertia: about(a) + about(b) }
 }
 
 /// The parent and its cuts, in its grid frame.
@@ -194,7 +156,7 @@ impl<'a> Workshop<'a> {
         placement: &Placement,
         region: &Region,
         cell: u32,
-    ) -> Option<Piece> {
+    ) -> Option<Piece<CutHull>> {
         cancel::check();
         // Keep planes that reach the parent, deepest first: later cuts then have less to do.
         self.reaching.clear();
@@ -216,7 +178,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// The part of the parent inside of the last cuts, from `first` on.
-    fn piece(&mut self, first: usize, cell: u32) -> Option<Piece> {
+    fn piece(&mut self, first: usize, cell: u32) -> Option<Piece<CutHull>> {
         let hull = self.cutter.part(&self.cuts[first..]);
         let piece = hull.map(|hull| (hull.mass_properties(), hull));
         let Some((mass, hull)) = piece.filter(|(mass, _)| mass.volume > NO_VOLUME * self.volume)
@@ -224,51 +186,28 @@ impl<'a> Workshop<'a> {
             self.cuts.truncate(first);
             return None;
         };
-        Some(Piece { hull, cuts: first..self.cuts.len(), mass, cell })
+        let form = CutHull { hull, cuts: first..self.cuts.len() };
+        Some(Piece { form, mass, cell })
     }
 
-    /// Joins pieces that are too small with their neighbours.
-    pub(crate) fn merge_slivers(
+    /// Joins pieces that are too small with their neighbours, if they are convex with them.
+    pub(crate) fn join_small(
         &mut self,
-        mut pieces: Vec<Piece>,
+        pieces: Vec<Piece<CutHull>>,
         smallest: &Smallest,
         absorbs: bool,
-    ) -> Vec<Piece> {
-        let volumes: Vec<f64> = pieces.iter().map(|piece| piece.mass.volume).collect();
-        let least = smallest.least(&volumes);
-        let is_small = |mass: &MassProperties| mass.volume < least || smallest.is_slender(mass);
-        let too_small: Vec<bool> = pieces.iter().map(|piece| is_small(&piece.mass)).collect();
-        if !too_small.contains(&true) {
-            return pieces;
-        }
-        let hulls: Vec<&Hull> = pieces.iter().map(|piece| &piece.hull).collect();
-        let contacts = contacts_of_some(&hulls, &too_small);
-        let mut groups = Groups::new(&volumes, &too_small);
-
-        // Merge slivers that are convex with a neighbour, then absorb negligible slivers.
-        groups.join(&contacts, |sliver, host, _| {
-            pieces[host] = self.join(&pieces[sliver], &pieces[host])?;
-            Some(is_small(&pieces[host].mass))
-        });
-        let tiny = Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }
-            .least(&volumes);
-        let mut absorb = |sliver: usize, host: usize| {
-            let own = pieces[sliver].mass;
-            let is_absorbed = absorbs && (own.volume < tiny || smallest.is_slender(&own));
-            pieces[host].mass = is_absorbed.then(|| together(&pieces[host].mass, &own))?;
-            Some(is_small(&pieces[host].mass))
+    ) -> Vec<Piece<CutHull>> {
+        let contacts = |pieces: &[Piece<CutHull>], too_small: &[bool]| {
+            let hulls: Vec<&Hull> = pieces.iter().map(|piece| &piece.form.hull).collect();
+            contacts_of_some(&hulls, too_small)
         };
-        groups.join(&contacts, |sliver, host, _| absorb(sliver, host));
-        groups.join_loose(|sliver, heaviest| absorb(sliver, heaviest).is_some());
-        let of_piece = groups.of_piece();
-        let stays = |(number, piece): (usize, Piece)| (of_piece[number] == number).then_some(piece);
-        pieces.into_iter().enumerate().filter_map(stays).collect()
+        join_small(pieces, (smallest, absorbs), contacts, |sliver, host| self.join(sliver, host))
     }
 
     /// A sliver and a neighbour without the crack between them, if the two are convex: behind the
     /// largest face where that is so.
-    fn join(&mut self, sliver: &Piece, other: &Piece) -> Option<Piece> {
-        let Piece { hull, cuts, mass, .. } = sliver;
+    fn join(&mut self, sliver: &Piece<CutHull>, other: &Piece<CutHull>) -> Option<Piece<CutHull>> {
+        let Piece { form: CutHull { hull, cuts }, mass, .. } = sliver;
         let area = |face: &HullFace<'_>| {
             let corners = face.vertices.iter().map(|&vertex| hull.vertices()[vertex as usize]);
             polygon::area(&corners.collect::<Vec<_>>())
@@ -278,7 +217,7 @@ impl<'a> Workshop<'a> {
             inner.map(|face| (area(&face), face.plane)).collect();
         faces.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, crack) in faces {
-            let others = &self.cuts[other.cuts.clone()];
+            let others = &self.cuts[other.form.cuts.clone()];
             if !others.iter().any(|cut| self.same(&cut.flipped(), &crack)) {
                 continue;
             }
@@ -288,7 +227,7 @@ impl<'a> Workshop<'a> {
             let beyond = |cut: &HalfSpace, hull: &Hull| {
                 hull.vertices().iter().any(|&vertex| cut.distance(vertex) > BEYOND * self.size())
             };
-            if own.clone().any(|cut| beyond(cut, &other.hull))
+            if own.clone().any(|cut| beyond(cut, &other.form.hull))
                 || others.clone().any(|cut| beyond(cut, hull))
             {
                 continue;

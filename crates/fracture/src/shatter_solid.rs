@@ -7,12 +7,12 @@
 use crate::fragment::Fragment;
 use crate::interfaces;
 use crate::pattern::region::Region;
+use crate::piece::{Piece, give_absorbed, join_small, together};
 use crate::placement::Placement;
 use crate::shatter::settings::ShatterSettings;
-use crate::shatter_hull::{absorbed_by, together};
-use crate::slivers::{Contact, Groups, Smallest};
+use crate::slivers::Contact;
 use frangible_geometry::{
-    Cell, CellCutter, ContactHulls, Hull, MassProperties, PlaneSearch, Shape, Solid, SolidPart,
+    Cell, CellCutter, ContactHulls, Hull, PlaneSearch, Shape, Solid, SolidPart,
 };
 use frangible_math::{RigidTransform, threads};
 use glam::{DQuat, DVec3};
@@ -56,24 +56,32 @@ pub(crate) fn shatter_solid(
     let (numbers, cells): (Vec<u32>, Vec<Cell>) =
         cells((low, high), placement, regions).into_iter().unzip();
     let piece = |(cell, SolidPart { solid, mass }): (usize, SolidPart)| Piece {
-        cell: numbers[cell],
-        solid,
-        core: None,
+        form: CutSolid { solid, core: None },
         mass,
+        cell: numbers[cell],
     };
-    let mut pieces: Vec<Piece> = solid.cut(&cells).into_iter().map(piece).collect();
-    give_absorbed(&mut pieces, parent, solid);
+    let mut pieces: Vec<Piece<CutSolid>> = solid.cut(&cells).into_iter().map(piece).collect();
+    let masses = pieces.iter_mut().map(|piece| &mut piece.mass);
+    give_absorbed(masses, parent, &solid.mass_properties());
     let volume: f64 = pieces.iter().map(|piece| piece.mass.volume).sum();
     if (volume - parent.volume).abs() > NOT_FILLED * parent.volume {
         return Vec::new();
     }
-    let pieces = join_slivers(pieces, &settings.smallest, SAME_VERTEX * size);
+    let join = |sliver: &Piece<CutSolid>, host: &Piece<CutSolid>| {
+        let solid = host.form.solid.joined(&sliver.form.solid, SAME_VERTEX * size)?;
+        let core = Some(host.form.core().clone());
+        let mass = together(&host.mass, &sliver.mass);
+        Some(Piece { form: CutSolid { solid, core }, mass, cell: host.cell })
+    };
+    let contacts = |pieces: &[Piece<CutSolid>], _: &[bool]| contacts_of_pieces(pieces);
+    let pieces = join_small(pieces, (&settings.smallest, true), contacts, join);
+
+    // Hulls and principal frame of each piece.
     let count = pieces.len();
-    let fragment = |piece: Piece| {
-        let (cell, mass) = (piece.cell, piece.mass);
-        let (hulls, _) = OF_PIECES.of(piece.core.as_ref().unwrap_or(&piece.solid));
+    let fragment = |Piece { form, mass, cell }: Piece<CutSolid>| {
+        let (hulls, _) = OF_PIECES.of(form.core());
         let spacing = parent.sample_spacing();
-        let shape = Shape::solid_with_mass(piece.solid, hulls, &mass, spacing).ok()?;
+        let shape = Shape::solid_with_mass(form.solid, hulls, &mass, spacing).ok()?;
         Some(Fragment::new(parent, shape, cell))
     };
     let fragments = threads::map(pieces, count * WORTH, fragment);
@@ -83,62 +91,26 @@ pub(crate) fn shatter_solid(
 /// Things that a piece's hull is worth, for sharing pieces out.
 const WORTH: usize = 64;
 
-/// A connected part of the solid in a cell, on its way to a fragment.
-struct Piece {
-    cell: u32,
+/// A connected part of the solid in a cell.
+struct CutSolid {
     solid: Solid,
-    /// What it was before smaller ones joined it.
+    /// The part as it was before smaller ones joined it.
     core: Option<Solid>,
-    /// Of all that joined it, too.
-    mass: MassProperties,
 }
 
-/// Mass that a parent has absorbed is no part of its surface: its heaviest piece gets it.
-fn give_absorbed(pieces: &mut [Piece], parent: &Shape, solid: &Solid) {
-    let Some(lump) = absorbed_by(parent, &solid.mass_properties()) else { return };
-    let heaviest = pieces.iter_mut().max_by(|a, b| a.mass.volume.total_cmp(&b.mass.volume));
-    if let Some(piece) = heaviest {
-        piece.mass = lump.iter().fold(piece.mass, |mass, part| together(&mass, part));
+impl CutSolid {
+    /// The part whose hull the piece meets others as: within its cell.
+    fn core(&self) -> &Solid {
+        self.core.as_ref().unwrap_or(&self.solid)
     }
 }
 
-/// Joins pieces that are too small with their neighbours; vertices within `close` [m] are one.
-fn join_slivers(mut pieces: Vec<Piece>, smallest: &Smallest, close: f64) -> Vec<Piece> {
-    let volumes: Vec<f64> = pieces.iter().map(|piece| piece.mass.volume).collect();
-    let least = smallest.least(&volumes);
-    let is_small = |mass: &MassProperties| mass.volume < least || smallest.is_slender(mass);
-    let too_small: Vec<bool> = pieces.iter().map(|piece| is_small(&piece.mass)).collect();
-    if !too_small.contains(&true) {
-        return pieces;
-    }
+/// Areas of the cracks between pieces.
+fn contacts_of_pieces(pieces: &[Piece<CutSolid>]) -> Vec<Contact> {
     let placed: Vec<(&Solid, RigidTransform)> =
-        pieces.iter().map(|piece| (&piece.solid, RigidTransform::IDENTITY)).collect();
-    let contacts: Vec<Contact> = interfaces::solids::contacts(&placed)
-        .into_iter()
-        .map(|contact| ([contact.a, contact.b], contact.area))
-        .collect();
-    let mut groups = Groups::new(&volumes, &too_small);
-    groups.join(&contacts, |sliver, host, _| {
-        let solid = pieces[host].solid.joined(&pieces[sliver].solid, close)?;
-        let mass = together(&pieces[host].mass, &pieces[sliver].mass);
-        let before = std::mem::replace(&mut pieces[host].solid, solid);
-        pieces[host].core.get_or_insert(before);
-        pieces[host].mass = mass;
-        Some(is_small(&mass))
-    });
-    let tiny =
-        Smallest { part: smallest.part.min(Smallest::default().part), ..*smallest }.least(&volumes);
-    let mut absorb = |sliver: usize, host: usize| {
-        let own = pieces[sliver].mass;
-        let is_negligible = own.volume < tiny || smallest.is_slender(&own);
-        pieces[host].mass = is_negligible.then(|| together(&pieces[host].mass, &own))?;
-        Some(is_small(&pieces[host].mass))
-    };
-    groups.join(&contacts, |sliver, host, _| absorb(sliver, host));
-    groups.join_loose(|sliver, heaviest| absorb(sliver, heaviest).is_some());
-    let of_piece = groups.of_piece();
-    let stays = |(number, piece): (usize, Piece)| (of_piece[number] == number).then_some(piece);
-    pieces.into_iter().enumerate().filter_map(stays).collect()
+        pieces.iter().map(|piece| (&piece.form.solid, RigidTransform::IDENTITY)).collect();
+    let contacts = interfaces::solids::contacts(&placed);
+    contacts.into_iter().map(|contact| ([contact.a, contact.b], contact.area)).collect()
 }
 
 /// The regions of a pattern that come near a solid with these bounds, with their numbers.

@@ -1,5 +1,6 @@
 //! Shapes: immutable, shared by equal bodies.
 
+mod exact;
 mod own_mass;
 
 use crate::closed_form::ClosedForm;
@@ -9,7 +10,7 @@ use crate::grid_solid::GridSolid;
 use crate::hull::Hull;
 use crate::hull::rounded::rounded_surface;
 use crate::hull::samples::hull_samples;
-use crate::mass_properties::{MassProperties, NoMass};
+use crate::mass_properties::NoMass;
 use crate::mesh::{Surface, TriMesh};
 use crate::polygonize::polygonize;
 use crate::revolved::Revolved;
@@ -233,128 +234,6 @@ impl Shape {
             }
             Geometry::Grid(_) | Geometry::Solid(_) | Geometry::Mesh(_) => None,
         }
-    }
-
-    /// A convex polyhedron: exact, also where it breaks. Samples lie about `sample_spacing` [m]
-    /// apart.
-    ///
-    /// # Errors
-    /// If it is so thin that its volume or a moment vanishes.
-    pub fn convex(hull: Hull, sample_spacing: f64) -> Result<Self, NoMass> {
-        let mass = hull.mass_properties();
-        Self::convex_with_mass(hull, &mass, sample_spacing)
-    }
-
-    /// The same, of a polyhedron whose mass properties are known.
-    ///
-    /// # Errors
-    /// If its volume or a moment vanishes.
-    pub fn convex_with_mass(
-        hull: Hull,
-        mass: &MassProperties,
-        sample_spacing: f64,
-    ) -> Result<Self, NoMass> {
-        let (unit_moments, body_from_grid) = mass.body_frame()?;
-        let in_body = hull.transformed(&body_from_grid);
-        Ok(Self {
-            geometry: Geometry::Hull(Arc::new(hull)),
-            body_from_grid,
-            bounds: in_body.bounds(),
-            volume: mass.volume,
-            unit_moments,
-            hull: Some(Arc::new(in_body)),
-            compound: None,
-            part_of: None,
-            sample_spacing,
-            samples: LazySamples::default(),
-        })
-    }
-
-    /// The same, drawn as the part of a round body that it was cut out of: its parent, or what that
-    /// was cut out of, in the same grid frame.
-    pub fn cut_from(self, parent: &Self) -> Self {
-        let part_of = match parent.geometry {
-            Geometry::ClosedForm(
-                form @ (ClosedForm::Sphere { .. } | ClosedForm::Cylinder { .. }),
-            ) => Some(form),
-            _ => parent.part_of,
-        };
-        Self { part_of, ..self }
-    }
-
-    /// Convex polyhedra that are one body: its mass is the sum of theirs. Samples lie about
-    /// `sample_spacing` [m] apart.
-    ///
-    /// # Errors
-    /// If they are so thin that the volume or a moment vanishes, or there are none.
-    pub fn compound(compound: Compound, sample_spacing: f64) -> Result<Self, NoMass> {
-        let mass = compound.mass_properties();
-        Self::compound_with_mass(compound, &mass, sample_spacing)
-    }
-
-    /// The same, with mass properties of its own.
-    ///
-    /// # Errors
-    /// If its volume or a moment vanishes.
-    pub fn compound_with_mass(
-        compound: Compound,
-        mass: &MassProperties,
-        sample_spacing: f64,
-    ) -> Result<Self, NoMass> {
-        let (unit_moments, body_from_grid) = mass.body_frame()?;
-        let in_body = compound.transformed(&body_from_grid);
-        Ok(Self {
-            geometry: Geometry::Compound(Arc::new(compound)),
-            body_from_grid,
-            bounds: in_body.bounds(),
-            volume: mass.volume,
-            unit_moments,
-            hull: None,
-            compound: Some(Arc::new(in_body)),
-            part_of: None,
-            sample_spacing,
-            samples: LazySamples::default(),
-        })
-    }
-
-    /// A closed solid of any form, and the hulls as which it meets others, in its own frame; none
-    /// for a shape that only breaks. Samples lie about `sample_spacing` [m] apart.
-    ///
-    /// # Errors
-    /// If its volume or a moment vanishes.
-    pub fn solid_with_mass(
-        solid: Solid,
-        mut hulls: Vec<Hull>,
-        mass: &MassProperties,
-        sample_spacing: f64,
-    ) -> Result<Self, NoMass> {
-        let (unit_moments, body_from_grid) = mass.body_frame()?;
-        let (hull, compound) = match (hulls.len(), hulls.pop()) {
-            (_, None) => (None, None),
-            (1, Some(hull)) => (Some(Arc::new(hull.transformed(&body_from_grid))), None),
-            (_, Some(last)) => {
-                hulls.push(last);
-                let in_body = Compound::new(hulls).transformed(&body_from_grid);
-                (None, Some(Arc::new(in_body)))
-            }
-        };
-        let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let bounds = solid.vertices().iter().fold(none, |(low, high), &vertex| {
-            let place = body_from_grid.point(vertex);
-            (low.min(place), high.max(place))
-        });
-        Ok(Self {
-            geometry: Geometry::Solid(Arc::new(solid)),
-            body_from_grid,
-            bounds,
-            volume: mass.volume,
-            unit_moments,
-            hull,
-            compound,
-            part_of: None,
-            sample_spacing,
-            samples: LazySamples::default(),
-        })
     }
 
     /// Triangles of a body that is static or kinematic: without a mass. The body frame is the

@@ -21,6 +21,7 @@ use crate::mass_properties::MassProperties;
 use crate::mesh::{Surface, Tetrahedra, TriMesh};
 use crate::mesh_boundary::MeshBoundary;
 use elements::{Edge, Face, FaceOrigin, NONE};
+use frangible_math::RigidTransform;
 use frangible_math::check::{Check, Checked, finite_vector, require};
 use glam::DVec3;
 use regions::{linked, loops_of_faces, triangulate_face};
@@ -113,8 +114,16 @@ impl Solid {
 
     /// Lowest and highest corner of the bounding box [m].
     pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.bounds_in(&RigidTransform::IDENTITY)
+    }
+
+    /// The same in another frame.
+    pub(crate) fn bounds_in(&self, to_from_solid: &RigidTransform) -> (DVec3, DVec3) {
         let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.vertices.iter().fold(none, |(low, high), &vertex| (low.min(vertex), high.max(vertex)))
+        self.vertices.iter().fold(none, |(low, high), &vertex| {
+            let place = to_from_solid.point(vertex);
+            (low.min(place), high.max(place))
+        })
     }
 
     /// Volume, centre and inertia at unit density, by the divergence theorem [Su09 sec. 4.4].

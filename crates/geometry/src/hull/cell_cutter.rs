@@ -22,7 +22,7 @@ pub struct CellCutter<'a> {
     sides: &'a [Side],
     /// Remaining part, unless the clipper has it.
     part: CellPart,
-    /// What has cut the part, or has passed by it.
+    /// The half-spaces that have cut the part, or have passed by it.
     cuts: Vec<HalfSpace>,
     is_whole: bool,
     /// True from the first cut with a vertex on it.

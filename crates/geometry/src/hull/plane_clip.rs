@@ -292,7 +292,7 @@ impl PlaneClipper {
     }
 }
 
-/// What a cut leaves of a part.
+/// The remainder of a part after a cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kept {
     /// All of it lies inside.

@@ -15,9 +15,9 @@ const SAME: f64 = 1e-12;
 const UPRIGHT: f64 = 1e-6;
 
 impl Shape {
-    /// The same solid in another body frame, and with another volume and other moments: a box becomes a polyhedron
-    /// where its axes or its middle are others. `None` for what has no mass, and for a body of
-    /// revolution whose axis or middle were lost.
+    /// The same solid in another body frame, with another volume and other moments: a box becomes
+    /// a polyhedron where its axes or its middle are others. `None` for what has no mass, and for a
+    /// body of revolution whose axis or middle were lost.
     pub fn with_body_frame(&self, frame: BodyFrame) -> Option<Self> {
         let BodyFrame { body_from_grid, volume, unit_moments } = frame;
         let from_old = body_from_grid.after(&self.body_from_grid.inverse());
@@ -46,11 +46,7 @@ impl Shape {
                 Self { bounds: in_body.bounds(), compound: Some(Arc::new(in_body)), ..own }
             }
             Geometry::Solid(solid) => {
-                let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-                let bounds = solid.vertices().iter().fold(none, |(low, high), &vertex| {
-                    let place = body_from_grid.point(vertex);
-                    (low.min(place), high.max(place))
-                });
+                let bounds = solid.bounds_in(&body_from_grid);
                 let hull = own.hull.as_ref().map(|hull| Arc::new(hull.transformed(&from_old)));
                 let compound = own.compound.as_ref();
                 let compound = compound.map(|parts| Arc::new(parts.transformed(&from_old)));

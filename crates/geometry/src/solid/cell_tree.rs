@@ -131,7 +131,7 @@ impl Cutter<'_> {
         self.planes.truncate(self.planes.len() - planes.len());
     }
 
-    /// What lies inside of planes, whose caps have numbers from then on; `None` if it is nothing.
+    /// The part inside of planes, whose caps have numbers from then on; `None` if there is none.
     fn clipped(&mut self, loose: &Loose, planes: &[HalfSpace]) -> Option<Loose> {
         let first = self.planes.len();
         self.planes.extend(planes);

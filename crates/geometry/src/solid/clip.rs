@@ -11,7 +11,7 @@ pub(crate) struct Loose {
     pub(crate) edges: Vec<Edge>,
 }
 
-/// What a plane left.
+/// The remainder of a solid after a cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Left {
     /// All of it: nothing was written.
@@ -47,7 +47,7 @@ pub(crate) struct Clipper {
 const IN_PLANE: f64 = 1e-9;
 
 impl Clipper {
-    /// Writes what lies inside of a plane. Vertices within `close` [m] of it count as on it, and
+    /// Writes the part inside of a plane. Vertices within `close` [m] of it count as on it, and
     /// stay where they are. The cut's own face is `cap`; `normal_of` gives the normals of all
     /// others.
     ///

@@ -4,12 +4,13 @@ use super::Solid;
 use super::convex_parts::PlaneSearch;
 use crate::hull::Hull;
 
-/// What stands for a solid in contact.
+/// How closely hulls stand for a solid in contact.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactHulls {
     /// Most vertices of a hull.
     pub vertices: usize,
-    /// What a hull may leave out, relative to the diagonal of its part [1].
+    /// A hull leaves out points that lie no farther outside of it, relative to the diagonal of its
+    /// part [1].
     pub within: f64,
     /// One hull stands for a solid that it exceeds by less volume, relative to the solid's [1].
     pub convex: f64,
